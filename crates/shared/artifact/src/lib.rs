@@ -1,0 +1,65 @@
+//! Every kind of file that Furrow's stages read and write; one room per kind.
+//!
+//! Stages meet only in artifacts, so this crate is the house's contract with its users: what it writes, later
+//! versions read. It knows no algorithms.
+//!
+//! - *Envelope* ([`read_document`], [`FrameReader`], …): JSON for static kinds, JSON Lines for kinds with frames;
+//!   the schema (`kind/version`) comes first and is checked first.
+//! - *Outputs* are [`Staged`]: written under a temporary name, shown by [`Staged::publish`].
+//! - *Errors* name the file, the place in it, what is wrong and what to do.
+//! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`pc2`], …) are converted where
+//!   they are read and written.
+//!
+//! ```no_run
+//! # fn main() -> artifact::Result<()> {
+//! use artifact::{FrameReader, Handles, Unit};
+//! let scan = artifact::obj::read("scan.obj".as_ref(), Unit::Cm)?;
+//! let handles = FrameReader::<Handles>::open("handles.jsonl".as_ref())?;
+//! println!("{} vertices, {} handles", scan.positions.len(), handles.header().handles.len());
+//! # Ok(())
+//! # }
+//! ```
+
+mod envelope;
+mod error;
+mod quantity;
+mod source;
+mod staged;
+
+mod correspondence;
+mod handles;
+mod head_pose;
+mod large_scale;
+mod mesh_file;
+mod response_basis;
+mod take;
+mod trajectories;
+mod vertices;
+mod warp;
+
+pub mod npy;
+pub mod obj;
+pub mod pc2;
+pub mod provenance;
+
+pub use correspondence::{Correspondence, Pair};
+pub use envelope::{
+    Document, FrameReader, FrameWriter, Kind, Stream, document_schema, read_document, stream_schema,
+    write_document,
+};
+pub use error::{Error, Result, Violation, finite};
+pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
+pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
+pub use large_scale::LargeScale;
+pub use mesh_file::{read_mesh, write_mesh};
+pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
+pub use response_basis::ResponseBasis;
+pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
+pub use staged::{Sink, Staged, discard_unfinished, is_standard_stream, stage_bytes};
+pub use take::{Axis, Clock, Consent, Take, TakeCamera, TakeRef};
+pub use trajectories::{
+    HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
+    read_trajectories,
+};
+pub use vertices::{VertexMapping, VertexSet};
+pub use warp::{Interpolant, Warp, WarpFit};

@@ -1,0 +1,227 @@
+//! Outputs that appear whole or not at all: written to a temporary name, renamed when done.
+
+use crate::{Error, Result};
+use std::fs::File;
+use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Temporary files of this process, so that an interrupted run can remove them.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes every temporary file of this process; for a run that is being interrupted.
+#[allow(clippy::disallowed_methods, reason = "this is the room where files end")]
+pub fn discard_unfinished() {
+    if let Ok(paths) = UNFINISHED.lock() {
+        for path in paths.iter() {
+            // Nothing can be done about a file that cannot be removed, and its name does not look complete.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// Whether a path means standard input or output.
+#[must_use]
+pub fn is_standard_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// A file that is being written. It shows under its name only after [`Sink::finish`] and [`Staged::publish`].
+pub struct Sink {
+    path: PathBuf,
+    out: Out,
+}
+
+enum Out {
+    Stdout(std::io::Stdout),
+    File { writer: BufWriter<File>, temporary: Temporary },
+}
+
+/// A complete output under its temporary name. Dropped unpublished, it goes.
+#[must_use = "an output shows only after `publish`"]
+pub struct Staged {
+    path: PathBuf,
+    temporary: Option<Temporary>,
+}
+
+struct Temporary {
+    path: PathBuf,
+    /// Of a file that can be resumed: what says from which inputs it was being made.
+    key: Option<PathBuf>,
+}
+
+impl Drop for Temporary {
+    #[allow(clippy::disallowed_methods, reason = "this is the room where files end")]
+    fn drop(&mut self) {
+        if self.key.is_some() {
+            return;
+        }
+        let _ = std::fs::remove_file(&self.path);
+        if let Ok(mut paths) = UNFINISHED.lock() {
+            paths.retain(|path| path != &self.path);
+        }
+    }
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(suffix);
+    name.into()
+}
+
+impl Sink {
+    /// Starts an output; `-` is standard output. Missing folders are made.
+    ///
+    /// # Errors
+    /// If the folder or the temporary file cannot be made.
+    #[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
+    pub fn create(path: &Path) -> Result<Self> {
+        if is_standard_stream(path) {
+            return Ok(Self { path: path.to_path_buf(), out: Out::Stdout(std::io::stdout()) });
+        }
+        let Some(name) = path.file_name() else {
+            return Err(Error::new(path, "is not a file name").fix("name a file to write"));
+        };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(|cause| Error::io(folder, "make the folder", &cause))?;
+        let temporary = folder.join(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
+        if let Ok(mut paths) = UNFINISHED.lock() {
+            paths.push(temporary.clone());
+        }
+        let temporary = Temporary { path: temporary, key: None };
+        let file = File::create(&temporary.path).map_err(|cause| Error::io(path, "write", &cause))?;
+        let writer = BufWriter::with_capacity(1 << 20, file);
+        Ok(Self { path: path.to_path_buf(), out: Out::File { writer, temporary } })
+    }
+
+    /// Continues an output that an interrupted run left as `<name>.partial`, or starts it anew, and says how many
+    /// bytes are there: none, or a head and whole blocks. What a run with another `key` left is dropped. Unlike other
+    /// temporary files this one outlives an interrupted run; its name says that it is not complete.
+    ///
+    /// # Errors
+    /// If the file cannot be read or written.
+    #[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
+    pub fn resume(path: &Path, key: &str, head: u64, block: u64) -> Result<(Self, u64)> {
+        let fail = |cause: std::io::Error| Error::io(path, "write", &cause);
+        let partial = with_suffix(path, ".partial");
+        let key_path = with_suffix(path, ".partial.key");
+        let same = std::fs::read_to_string(&key_path).is_ok_and(|left| left == key);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(fail)?;
+        }
+        let mut file =
+            File::options().create(true).write(true).truncate(!same).open(&partial).map_err(fail)?;
+        std::fs::write(&key_path, key).map_err(fail)?;
+        let size = file.metadata().map_err(fail)?.len();
+        let kept = if size < head { 0 } else { head + (size - head) / block * block };
+        file.set_len(kept).map_err(fail)?;
+        file.seek(SeekFrom::End(0)).map_err(fail)?;
+        let writer = BufWriter::with_capacity(1 << 20, file);
+        let temporary = Temporary { path: partial, key: Some(key_path) };
+        Ok((Self { path: path.to_path_buf(), out: Out::File { writer, temporary } }, kept))
+    }
+
+    /// The name that the output will have.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Turns a failed write into an error that names the file.
+    #[must_use]
+    pub fn failed(&self, cause: &std::io::Error) -> Error {
+        Error::io(&self.path, "write", cause)
+    }
+
+    /// Overwrites bytes at the start of the file, for formats that count in their header.
+    ///
+    /// # Errors
+    /// If writing fails, or on standard output, which cannot go back.
+    pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> Result<()> {
+        let path = self.path.clone();
+        let Out::File { writer, .. } = &mut self.out else {
+            return Err(Error::new(&path, "this format cannot be written to a pipe").fix("name a file"));
+        };
+        let mut patch = || {
+            writer.flush()?;
+            let file = writer.get_mut();
+            file.seek(SeekFrom::Start(offset))?;
+            file.write_all(bytes)?;
+            file.seek(SeekFrom::End(0)).map(|_| ())
+        };
+        patch().map_err(|cause| Error::io(&path, "write", &cause))
+    }
+
+    /// Writes out what is buffered and makes it durable.
+    ///
+    /// # Errors
+    /// If the disk is full or the write fails for another reason.
+    pub fn finish(self) -> Result<Staged> {
+        let path = self.path;
+        let fail = |cause: std::io::Error| Error::io(&path, "write", &cause);
+        let temporary = match self.out {
+            Out::Stdout(mut stdout) => {
+                stdout.flush().map_err(fail)?;
+                None
+            }
+            Out::File { mut writer, temporary } => {
+                writer.flush().map_err(fail)?;
+                writer.get_ref().sync_data().map_err(fail)?;
+                Some(temporary)
+            }
+        };
+        Ok(Staged { path, temporary })
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match &mut self.out {
+            Out::Stdout(stdout) => stdout.write(bytes),
+            Out::File { writer, .. } => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match &mut self.out {
+            Out::Stdout(stdout) => stdout.flush(),
+            Out::File { writer, .. } => writer.flush(),
+        }
+    }
+}
+
+impl Staged {
+    /// The name that the output will have.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The complete bytes under their temporary name; `None` on standard output.
+    #[must_use]
+    pub fn temporary(&self) -> Option<&Path> {
+        self.temporary.as_ref().map(|temporary| temporary.path.as_path())
+    }
+
+    /// Gives the output its name.
+    ///
+    /// # Errors
+    /// If the file cannot be renamed.
+    #[allow(clippy::disallowed_methods, reason = "this is the room where files are named")]
+    pub fn publish(self) -> Result<()> {
+        let Some(temporary) = &self.temporary else { return Ok(()) };
+        let fail = |cause: std::io::Error| Error::io(&self.path, "write", &cause);
+        std::fs::rename(&temporary.path, &self.path).map_err(fail)?;
+        temporary.key.as_ref().map_or(Ok(()), |key| std::fs::remove_file(key).map_err(fail))
+    }
+}
+
+/// Writes a whole small file at once.
+///
+/// # Errors
+/// If writing fails.
+pub fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<Staged> {
+    let mut sink = Sink::create(path)?;
+    sink.write_all(bytes).map_err(|cause| Error::io(path, "write", &cause))?;
+    sink.finish()
+}

@@ -1,0 +1,150 @@
+//! `take/1`: the manifest of a take. It names, and refers by hash to, what many takes share.
+
+use crate::quantity::Rate;
+use crate::{Document, FileRef, Kind, Unit, Violation};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+
+/// A take's manifest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Take {
+    /// Who was recorded.
+    pub subject: String,
+    /// When the markers were painted: markers keep their place within a session.
+    pub session: String,
+    /// Id of the take.
+    pub take: String,
+    /// Frames per second of the mocap clock.
+    pub rate: Rate,
+    /// SMPTE time code of the first frame, `HH:MM:SS:FF`, or `HH:MM:SS;FF` for drop-frame.
+    pub start_timecode: Option<String>,
+    /// Number of the first frame.
+    pub first_frame: i64,
+    /// Where time comes from.
+    pub clock: Clock,
+    /// The cameras; empty for a take that came as markers.
+    #[serde(default)]
+    pub cameras: Vec<TakeCamera>,
+    /// Unit of the scan's coordinates.
+    pub mesh_unit: Unit,
+    /// The scan's axis that points up.
+    pub mesh_up: Axis,
+    /// What the take uses, by role: `scan`, `cameras`, `warp`, `classifier`, …
+    #[serde(default)]
+    pub references: BTreeMap<String, FileRef>,
+    /// What may be done with the recording; travels into exports.
+    pub consent: Consent,
+}
+
+/// Where the time of the frames comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clock {
+    /// A common trigger.
+    Trigger,
+    /// Time stamps per frame.
+    Timestamps,
+    /// An event seen by all cameras.
+    Flash,
+    /// Nothing shared; found by correlation.
+    Free,
+    /// The mocap system's own clock.
+    Mocap,
+}
+
+/// A direction of the scan's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// +y
+    Y,
+    /// +z
+    Z,
+}
+
+/// A camera of the take.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TakeCamera {
+    /// Camera id.
+    pub id: String,
+    /// Image width, height in pixels.
+    pub image_size: [u32; 2],
+    /// Transfer function of the footage, e.g. `srgb`, `rec709`, `linear`, `gamma 2.2`.
+    pub transfer: String,
+    /// Bits per channel.
+    pub bit_depth: u8,
+    /// Frames per second.
+    pub rate: Rate,
+}
+
+/// Consent and licence.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Consent {
+    /// Licence or agreement, in words.
+    pub licence: String,
+    /// The credit line to show.
+    pub credit: Option<String>,
+    /// Anything else to know.
+    pub notes: Option<String>,
+}
+
+/// A take, as the artifacts made from it refer to it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TakeRef {
+    /// Id of the take.
+    pub take: String,
+    /// Session: a warp holds for all takes of one.
+    pub session: String,
+    /// SHA-256 of the manifest.
+    pub sha256: String,
+}
+
+impl std::fmt::Display for TakeRef {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "take {} (sha256 {}…)", self.take, self.sha256.get(..12).unwrap_or(&self.sha256))
+    }
+}
+
+impl Kind for Take {
+    const NAME: &'static str = "take";
+    const VERSION: u32 = 1;
+}
+
+impl Document for Take {
+    fn check(&self) -> Result<(), Violation> {
+        check_rate("rate", self.rate)?;
+        let mut ids = HashMap::new();
+        for camera in &self.cameras {
+            check_rate(&format!("camera {}", camera.id), camera.rate)?;
+            if ids.insert(&camera.id, ()).is_some() {
+                return Err(Violation::new("cameras", format!("the id {} stands twice", camera.id)));
+            }
+        }
+        match self.start_timecode.as_deref().map(is_timecode) {
+            Some(false) => Err(Violation::new("start_timecode", "is not HH:MM:SS:FF or HH:MM:SS;FF")),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn check_rate(place: &str, rate: Rate) -> Result<(), Violation> {
+    match rate.frames > 0 && rate.seconds > 0 {
+        true => Ok(()),
+        false => Err(Violation::new(place, "the rate is not positive")),
+    }
+}
+
+fn is_timecode(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    bytes.len() == 11
+        && bytes.iter().enumerate().all(|(i, byte)| match i {
+            2 | 5 => *byte == b':',
+            8 => matches!(byte, b':' | b';'),
+            _ => byte.is_ascii_digit(),
+        })
+}

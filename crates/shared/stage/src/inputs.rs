@@ -1,0 +1,57 @@
+//! Inputs that many stages share: the take manifest, and a mesh with a unit that somebody stated.
+
+use crate::Run;
+use anyhow::bail;
+use artifact::{MeshRef, Take, TakeRef, Unit};
+use mesh::Mesh;
+use std::path::Path;
+
+impl Run {
+    /// Reads a mesh, in millimetres, and what refers to it. `stated` are the units that were stated for it and by
+    /// whom; see [`resolve_unit`].
+    ///
+    /// # Errors
+    /// If no unit is stated, two disagree, or the mesh cannot be read.
+    pub fn mesh(
+        &mut self,
+        role: &str,
+        path: &Path,
+        stated: &[(&str, Option<Unit>)],
+    ) -> anyhow::Result<(Mesh, MeshRef)> {
+        let unit = resolve_unit(path, stated)?;
+        let mesh = artifact::read_mesh(path, unit)?;
+        let file = self.input(role, path)?;
+        let reference = MeshRef { file, unit, vertex_count: mesh.positions.len() };
+        Ok((mesh, reference))
+    }
+}
+
+/// The one unit that was stated for a file's coordinates. Files like OBJ state none, and there is no default.
+///
+/// # Errors
+/// If nobody stated a unit, or two statements disagree.
+pub fn resolve_unit(path: &Path, stated: &[(&str, Option<Unit>)]) -> anyhow::Result<Unit> {
+    let said: Vec<(&str, Unit)> =
+        stated.iter().filter_map(|(by, unit)| unit.map(|unit| (*by, unit))).collect();
+    let Some(&(by, unit)) = said.first() else {
+        bail!("{}: its unit is not stated\n  to do: say --unit mm, --unit cm or --unit m", path.display());
+    };
+    match said.iter().find(|(_, other)| *other != unit) {
+        Some((other_by, other)) => bail!(
+            "{}: {by} says {unit}, but {other_by} says {other}\n  to do: find out which is right and state it once",
+            path.display()
+        ),
+        None => Ok(unit),
+    }
+}
+
+/// Reads a take manifest, and what refers to it.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn load_take(run: &mut Run, path: &Path) -> anyhow::Result<(Take, TakeRef)> {
+    let take: Take = artifact::read_document(path)?;
+    let sha256 = run.input("take", path)?.sha256;
+    let reference = TakeRef { take: take.take.clone(), session: take.session.clone(), sha256 };
+    Ok((take, reference))
+}

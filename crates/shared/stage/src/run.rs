@@ -1,0 +1,179 @@
+//! One run of a stage: what it read, how it was told to work, what came out.
+
+use crate::{Common, Progress};
+use artifact::provenance::{self, Provenance};
+use artifact::{FileRef, Staged};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// A run in progress: the record that ends up in the side-cars and in the summary.
+pub struct Run {
+    common: Common,
+    record: Provenance,
+    warnings: Vec<String>,
+    seconds: Map<String, Value>,
+    outputs: Vec<String>,
+    summary_to_stderr: bool,
+}
+
+impl Run {
+    pub(crate) fn new(name: &str, version: &str, common: Common) -> Self {
+        let record = Provenance {
+            stage: name.to_string(),
+            version: version.to_string(),
+            parameters: json!({}),
+            inputs: Map::new(),
+            results: Map::new(),
+        };
+        let (warnings, seconds, outputs) = Default::default();
+        Self { common, record, warnings, seconds, outputs, summary_to_stderr: false }
+    }
+
+    /// The stage's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.record.stage
+    }
+
+    /// Adds the subcommand to the stage's name in side-cars.
+    pub fn subcommand(&mut self, name: &str) {
+        self.record.stage = format!("{} {name}", self.record.stage);
+    }
+
+    /// Records all parameters, defaults included.
+    ///
+    /// # Errors
+    /// If they cannot be written as JSON.
+    pub fn parameters(&mut self, parameters: &impl Serialize) -> anyhow::Result<()> {
+        self.record.parameters = serde_json::to_value(parameters)?;
+        Ok(())
+    }
+
+    /// Records an input file by name and hash. Standard input has no hash.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn input(&mut self, role: &str, path: &Path) -> anyhow::Result<FileRef> {
+        let sha256 = match artifact::is_standard_stream(path) {
+            true => String::new(),
+            false => artifact::sha256(path)?,
+        };
+        let file = FileRef { name: artifact::file_name(path), sha256 };
+        self.record.add_input(role, &file);
+        Ok(file)
+    }
+
+    /// Records a residual, a count, a finding. It stands in the side-cars and in the summary.
+    pub fn result(&mut self, key: &str, value: impl Serialize) {
+        self.record.results.insert(key.to_string(), serde_json::to_value(value).unwrap_or(Value::Null));
+    }
+
+    /// Warns the user; the run goes on, and the summary repeats it.
+    pub fn warn(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        self.print(&format!("{}: warning: {message}", self.name()));
+        self.warnings.push(message);
+    }
+
+    /// Tells the user something, unless `--quiet`.
+    pub fn say(&self, message: &str) {
+        self.print(message);
+    }
+
+    /// Tells the user something only with `--verbose`.
+    pub fn detail(&self, message: &str) {
+        if self.common.verbose {
+            self.print(message);
+        }
+    }
+
+    fn print(&self, message: &str) {
+        if !self.common.quiet {
+            // A closed standard error must not stop the work.
+            let _ = writeln!(std::io::stderr(), "{message}");
+        }
+    }
+
+    /// Does a part of the work and notes how long it took; for the summary only, never for an artifact.
+    #[allow(clippy::disallowed_methods, reason = "this is the only room with a clock")]
+    pub fn timed<T>(&mut self, part: &str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let outcome = work();
+        let before = self.seconds.get(part).and_then(Value::as_f64).unwrap_or(0.0);
+        self.seconds.insert(part.to_string(), json!(before + start.elapsed().as_secs_f64()));
+        outcome
+    }
+
+    /// A progress report over `total` steps, if the total is known.
+    #[must_use]
+    pub fn progress(&self, what: &str, total: Option<u64>) -> Progress {
+        Progress::start(what, total, self.common.quiet)
+    }
+
+    /// Shows outputs under their names, each with its side-car. Nothing shows before everything is written.
+    ///
+    /// # Errors
+    /// If a side-car cannot be written or a file not renamed.
+    pub fn publish(&mut self, outputs: Vec<Staged>) -> anyhow::Result<()> {
+        let beside = |output: &&Staged| output.temporary().is_some();
+        let side_cars: Vec<Staged> = outputs
+            .iter()
+            .filter(beside)
+            .map(|output| provenance::write(output.path(), &self.record))
+            .collect::<artifact::Result<_>>()?;
+        side_cars.into_iter().try_for_each(Staged::publish)?;
+        for output in outputs {
+            self.summary_to_stderr |= output.temporary().is_none();
+            self.outputs.push(output.path().display().to_string());
+            output.publish()?;
+        }
+        Ok(())
+    }
+
+    /// Prints the summary.
+    pub(crate) fn finish(&self) -> anyhow::Result<()> {
+        if self.common.json {
+            let summary = serde_json::to_string(&json!({
+                "stage": self.record.stage,
+                "version": self.record.version,
+                "parameters": self.record.parameters,
+                "inputs": self.record.inputs,
+                "results": self.record.results,
+                "warnings": self.warnings,
+                "seconds": self.seconds,
+                "outputs": self.outputs,
+            }))?;
+            match self.summary_to_stderr {
+                true => writeln!(std::io::stderr(), "{summary}")?,
+                false => writeln!(std::io::stdout(), "{summary}")?,
+            }
+            return Ok(());
+        }
+        for (key, value) in
+            self.record.results.iter().filter(|(_, value)| !value.is_object() && !value.is_array())
+        {
+            self.print(&format!("  {}: {}", key.replace('_', " "), shown(value)));
+        }
+        self.outputs.iter().for_each(|output| self.print(&format!("  → {output}")));
+        Ok(())
+    }
+}
+
+/// Numbers for people: four significant digits.
+fn shown(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => {
+            let number = number.as_f64().unwrap_or(0.0);
+            match number.abs() {
+                0.0 => "0".to_string(),
+                1e-3..1e5 => format!("{number:.4}"),
+                _ => format!("{number:.3e}"),
+            }
+        }
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,94 @@
+//! From the process's start to its exit code.
+
+use crate::Run;
+use clap::Parser;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Options that every binary has.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Common options")]
+pub struct Common {
+    /// Say nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// Number of threads [default: one per core]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print the run's summary as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+/// The arguments of a binary.
+pub trait Arguments: Parser {
+    /// The common ones among them.
+    fn common(&self) -> &Common;
+}
+
+/// Runs a binary: parses the arguments, does `work`, reports, and returns the exit code.
+pub fn run<A: Arguments>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()>) -> ExitCode {
+    let arguments = match A::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let code = u8::try_from(error.exit_code()).unwrap_or(2);
+            // A closed pipe while printing the help is no failure.
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let common = arguments.common().clone();
+    let command = A::command();
+    let mut run = Run::new(command.get_name(), command.get_version().unwrap_or_default(), common.clone());
+    on_interrupt(run.name().to_string());
+    if let Some(threads) = common.threads {
+        // Fails only where a pool stands already; results do not depend on it.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+    }
+    let outcome = work(&mut run, arguments).and_then(|()| run.finish());
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(run.name(), &error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// On Ctrl-C or a request to terminate: no temporary file stays, and the exit code says so.
+#[allow(
+    clippy::disallowed_methods,
+    clippy::print_stderr,
+    reason = "this is where an interrupted process ends"
+)]
+fn on_interrupt(name: String) {
+    let stop = move || {
+        artifact::discard_unfinished();
+        eprintln!("\n{name}: interrupted; no unfinished output was kept");
+        std::process::exit(130);
+    };
+    // Without a handler the process still stops; only its temporary files stay, under names that say so.
+    let _ = ctrlc::set_handler(stop);
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let io = cause.downcast_ref::<std::io::Error>();
+        io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+            || cause.to_string().contains("Broken pipe (os error 32)")
+    })
+}
+
+/// The chain of causes, outermost first, one line each.
+fn complain(name: &str, error: &anyhow::Error) {
+    let mut text = format!("{name}: error: {error}\n");
+    for cause in error.chain().skip(1) {
+        text.push_str(&format!("  because: {cause}\n"));
+    }
+    // Where even standard error is closed, the exit code remains.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
