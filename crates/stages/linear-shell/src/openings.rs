@@ -1,0 +1,116 @@
+//! Is the mouth open where it should be? A scan whose lips are fused costs millimetres, and nothing else shows it.
+
+use crate::Surface;
+use nalgebra::{Point3, Vector3};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Neighbours of a handle that are watched.
+const NEIGHBORS: usize = 4;
+/// Two handles tear the surface when their distance grows to more than this multiple …
+const STRETCH: f64 = 1.7;
+/// … and by more than this, mm, …
+const GROWTH_MM: f64 = 8.0;
+/// … although the way along the surface is no longer than this multiple of the straight one: between the lips of an
+/// open mouth it leads round the corner.
+const DETOUR: f64 = 1.5;
+
+/// Two handles that move apart over a closed surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tear {
+    /// The two handles, by index.
+    pub handles: [usize; 2],
+    /// Their distance at rest, mm.
+    pub rest_mm: f64,
+    /// Their largest distance, mm.
+    pub largest_mm: f64,
+}
+
+/// Watches neighbouring handles over the frames.
+pub struct TearWatch {
+    rest: Vec<Point3<f64>>,
+    pairs: Vec<([usize; 2], f64)>,
+}
+
+impl TearWatch {
+    /// For handles at `vertices` of a surface.
+    #[must_use]
+    pub fn new(surface: &Surface, vertices: &[u32]) -> Self {
+        let rest: Vec<Point3<f64>> = vertices.iter().map(|&vertex| surface.points[vertex as usize]).collect();
+        let mut pairs = Vec::new();
+        for i in 0..rest.len() {
+            let mut others: Vec<usize> = (0..rest.len()).filter(|&j| j != i).collect();
+            others.sort_by(|&a, &b| (rest[a] - rest[i]).norm().total_cmp(&(rest[b] - rest[i]).norm()));
+            pairs.extend(others.into_iter().take(NEIGHBORS).map(|j| [i.min(j), i.max(j)]));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        Self { rest, pairs: pairs.into_iter().map(|pair| (pair, 0.0)).collect() }
+    }
+
+    /// Adds a frame: the displacements of all handles, mm.
+    pub fn add(&mut self, handles: &[Vector3<f64>]) {
+        for ([i, j], largest) in &mut self.pairs {
+            let distance = ((self.rest[*i] + handles[*i]) - (self.rest[*j] + handles[*j])).norm();
+            *largest = distance.max(*largest);
+        }
+    }
+
+    /// The pairs that tear a closed surface, worst first.
+    #[must_use]
+    pub fn tears(&self, surface: &Surface, vertices: &[u32]) -> Vec<Tear> {
+        let mut tears = Vec::new();
+        for &(handles, largest_mm) in &self.pairs {
+            let rest_mm = (self.rest[handles[0]] - self.rest[handles[1]]).norm();
+            if largest_mm < STRETCH * rest_mm || largest_mm < rest_mm + GROWTH_MM {
+                continue;
+            }
+            let ends = handles.map(|handle| vertices[handle]);
+            if joined_within(surface, ends, DETOUR * rest_mm) {
+                tears.push(Tear { handles, rest_mm, largest_mm });
+            }
+        }
+        tears.sort_by(|a, b| (b.largest_mm - b.rest_mm).total_cmp(&(a.largest_mm - a.rest_mm)));
+        tears
+    }
+}
+
+/// Whether edges of the surface lead from one vertex to another within a length. Edge paths are up to a tenth longer
+/// than the shortest way on the meshes at hand; the caller's limit leaves room for that.
+fn joined_within(surface: &Surface, ends: [u32; 2], limit_mm: f64) -> bool {
+    let (starts, neighbors) = surface.around.one_rings();
+    let mut nearest = std::collections::HashMap::from([(ends[0], 0.0)]);
+    let mut front = BinaryHeap::from([(Reverse(Length(0.0)), ends[0])]);
+    while let Some((Reverse(Length(length)), vertex)) = front.pop() {
+        if vertex == ends[1] {
+            return true;
+        }
+        for &next in &neighbors[starts[vertex as usize]..starts[vertex as usize + 1]] {
+            let step = (surface.points[next as usize] - surface.points[vertex as usize]).norm();
+            let reached = length + step;
+            if reached <= limit_mm && nearest.get(&next).is_none_or(|&before| reached < before) {
+                nearest.insert(next, reached);
+                front.push((Reverse(Length(reached)), next));
+            }
+        }
+    }
+    false
+}
+
+/// A length that can be ordered; never NaN here.
+#[derive(PartialEq)]
+struct Length(f64);
+
+impl Eq for Length {}
+
+impl PartialOrd for Length {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Length {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}

@@ -1,0 +1,143 @@
+//! The surface under the shell: looked over, and its operators assembled.
+
+use crate::{BowTies, Constraints, Error, FreeComponents, Params};
+use mesh::{Connectivity, Mesh};
+use nalgebra::Point3;
+use operators::{CsMat, Ordering, Slivers, bilaplacian, cotan_stiffness, lumped_mass};
+use serde::Serialize;
+use std::collections::HashSet;
+
+/// What a look over the mesh found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Survey {
+    /// Vertices of the mesh.
+    pub vertices: usize,
+    /// Triangles, polygons split.
+    pub triangles: usize,
+    /// Vertices that no triangle uses; they stay still.
+    pub unreferenced_vertices: usize,
+    /// Bow-tie vertices that were joined.
+    pub bow_ties: usize,
+    /// Parts without a handle that are held still.
+    pub held_components: usize,
+    /// Triangles without area, left out.
+    pub triangles_without_area: usize,
+    /// Cotangents cut to the limit.
+    pub clamped_cotangents: usize,
+    /// Lengths of the boundary loops inside the surface (all but the longest), mm, longest first.
+    pub openings_mm: Vec<f64>,
+}
+
+/// A mesh that a shell can be solved on, with its operators.
+pub struct Surface {
+    pub(crate) points: Vec<Point3<f64>>,
+    pub(crate) stiffness: CsMat<f64>,
+    pub(crate) still: Vec<u32>,
+    pub(crate) around: Connectivity,
+    survey: Survey,
+}
+
+impl Surface {
+    /// Looks over the mesh and assembles `K = k_s L + k_b L M⁻¹ L` [BickelBotsch2007, Eq. 4].
+    ///
+    /// # Errors
+    /// A parameter, a handle or a defect of the mesh that makes the shell unsolvable; see [`Error`].
+    pub fn survey(mesh: &Mesh, constraints: &Constraints, params: &Params) -> Result<Self, Error> {
+        params.check()?;
+        constraints.check(mesh.positions.len())?;
+        let triangles = mesh.triangles();
+        let around = Connectivity::of(mesh.positions.len(), &triangles);
+        let bow_ties = check_manifold(&around, params)?;
+        let unreferenced = around.unreferenced();
+        let loose: HashSet<u32> = unreferenced.iter().copied().collect();
+        if let Some(&vertex) = constraints.handles.iter().find(|handle| loose.contains(handle)) {
+            return Err(Error::LooseHandle { vertex });
+        }
+        let (still, held_components) = free_parts(&around, &loose, constraints, params)?;
+        let (laplacian, slivers) = cotan_stiffness(&mesh.positions, &triangles, params.cotangent_limit);
+        let mass = lumped_mass(&mesh.positions, &triangles);
+        let stiffness = bilaplacian(&laplacian, &mass, params.stretching, params.bending_mm2);
+        let Slivers { clamped_cotangents, without_area } = slivers;
+        let survey = Survey {
+            vertices: mesh.positions.len(),
+            triangles: triangles.len(),
+            unreferenced_vertices: unreferenced.len(),
+            bow_ties,
+            held_components,
+            triangles_without_area: without_area,
+            clamped_cotangents,
+            openings_mm: opening_lengths(&around, &mesh.positions),
+        };
+        Ok(Self { points: mesh.positions.clone(), stiffness, still, around, survey })
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn report(&self) -> &Survey {
+        &self.survey
+    }
+
+    /// An elimination order for this mesh; it serves any set of handles.
+    #[must_use]
+    pub fn ordering(&self) -> Ordering {
+        Ordering::nested_dissection(&self.stiffness, &self.points)
+    }
+
+    /// The system matrix K, #V × #V: for tests and for comparison with other solvers.
+    #[must_use]
+    pub fn system(&self) -> &CsMat<f64> {
+        &self.stiffness
+    }
+}
+
+/// Refuses what the operators are not defined on; returns the number of bow ties that are let pass.
+fn check_manifold(around: &Connectivity, params: &Params) -> Result<usize, Error> {
+    if let [first, ..] = &around.non_manifold_edges()[..] {
+        return Err(Error::NonManifold { count: around.non_manifold_edges().len(), vertices: first.vertices });
+    }
+    if let [first, ..] = &around.flipped_edges()[..] {
+        return Err(Error::Flipped { count: around.flipped_edges().len(), vertices: first.vertices });
+    }
+    let bow_ties = around.bow_ties();
+    match bow_ties.first() {
+        Some(&vertex) if params.bow_ties == BowTies::Refuse => {
+            Err(Error::BowTies { count: bow_ties.len(), vertex })
+        }
+        _ => Ok(bow_ties.len()),
+    }
+}
+
+/// The vertices of parts that no handle or held vertex holds, and of none; and how many such parts there are.
+fn free_parts(
+    around: &Connectivity,
+    loose: &HashSet<u32>,
+    constraints: &Constraints,
+    params: &Params,
+) -> Result<(Vec<u32>, usize), Error> {
+    let (component, count) = around.components();
+    let mut anchored = vec![false; count];
+    let anchors = constraints.handles.iter().chain(&constraints.held);
+    anchors.for_each(|&vertex| anchored[component[vertex as usize] as usize] = true);
+    let free: Vec<u32> =
+        (0..component.len() as u32).filter(|&vertex| !anchored[component[vertex as usize] as usize]).collect();
+    let mut sizes = vec![0usize; count];
+    for &vertex in free.iter().filter(|vertex| !loose.contains(vertex)) {
+        sizes[component[vertex as usize] as usize] += 1;
+    }
+    let parts = sizes.iter().filter(|&&size| size > 0).count();
+    let largest = (0..count).max_by_key(|&part| (sizes[part], std::cmp::Reverse(part))).unwrap_or(0);
+    if parts > 0 && params.free_components == FreeComponents::Refuse {
+        let vertex = free.iter().copied().find(|&vertex| component[vertex as usize] as usize == largest);
+        let (vertex, vertex_count) = (vertex.unwrap_or(0), sizes[largest]);
+        return Err(Error::FreeComponent { count: parts, vertex, vertex_count });
+    }
+    Ok((free, parts))
+}
+
+/// Lengths of the boundary loops, longest first, without the longest, which is the rim.
+fn opening_lengths(around: &Connectivity, points: &[Point3<f64>]) -> Vec<f64> {
+    let mut lengths: Vec<f64> =
+        around.boundary_loops().iter().map(|vertices| mesh::loop_length(points, vertices)).collect();
+    lengths.sort_by(|a, b| b.total_cmp(a));
+    lengths.into_iter().skip(1).collect()
+}
