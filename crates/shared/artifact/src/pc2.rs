@@ -32,14 +32,21 @@ impl Writer {
         Ok(Self { sink, vertex_count, sample_count: 0 })
     }
 
-    /// Continues the cache that an interrupted run left, or starts a new one. `key` says what the cache is made
-    /// from; what was left by a run with another key is dropped. Also returns how many samples are there already.
+    /// Starts a cache that outlives an interrupted run as `<name>.partial`, or, with `resume`, continues the one that a
+    /// run left. `key` says what the cache is made from; what was left by a run with another key is dropped. Also
+    /// returns how many samples are there already.
     ///
     /// # Errors
     /// If the file cannot be read or written.
-    pub fn resume(path: &Path, vertex_count: usize, start_frame: i64, key: &str) -> Result<(Self, u32)> {
+    pub fn resumable(
+        path: &Path,
+        vertex_count: usize,
+        start_frame: i64,
+        key: &str,
+        resume: bool,
+    ) -> Result<(Self, u32)> {
         let sample = sample_bytes(vertex_count);
-        let (mut sink, kept) = Sink::resume(path, key, HEADER_BYTES, sample)?;
+        let (mut sink, kept) = Sink::resumable(path, key, resume, HEADER_BYTES, sample)?;
         if kept == 0 {
             sink.write_all(&header(vertex_count, start_frame))
                 .map_err(|cause| Error::io(path, "write", &cause))?;

@@ -94,18 +94,18 @@ impl Sink {
         Ok(Self { path: path.to_path_buf(), out: Out::File { writer, temporary } })
     }
 
-    /// Continues an output that an interrupted run left as `<name>.partial`, or starts it anew, and says how many
-    /// bytes are there: none, or a head and whole blocks. What a run with another `key` left is dropped. Unlike other
-    /// temporary files this one outlives an interrupted run; its name says that it is not complete.
+    /// Starts an output that outlives an interrupted run as `<name>.partial`: a name that says it is not complete. With
+    /// `resume`, continues the one that a run with the same `key` left, and says how many bytes are there: none, or a
+    /// head and whole blocks.
     ///
     /// # Errors
     /// If the file cannot be read or written.
     #[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
-    pub fn resume(path: &Path, key: &str, head: u64, block: u64) -> Result<(Self, u64)> {
+    pub fn resumable(path: &Path, key: &str, resume: bool, head: u64, block: u64) -> Result<(Self, u64)> {
         let fail = |cause: std::io::Error| Error::io(path, "write", &cause);
         let partial = with_suffix(path, ".partial");
         let key_path = with_suffix(path, ".partial.key");
-        let same = std::fs::read_to_string(&key_path).is_ok_and(|left| left == key);
+        let same = resume && std::fs::read_to_string(&key_path).is_ok_and(|left| left == key);
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(fail)?;
         }

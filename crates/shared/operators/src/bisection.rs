@@ -12,12 +12,7 @@ pub(crate) struct Cut {
 /// Cuts `vertices` at the median along the better of a few directions: the principal axes of their coordinates. The
 /// separator is a minimum vertex cover of the edges that cross the plane [König's theorem], so it is as small as that plane
 /// allows. `side` is scratch, one entry per vertex of the graph, all [`OUTSIDE`] before and after.
-pub(crate) fn bisect(
-    pattern: &CsMat<f64>,
-    points: &[Point3<f64>],
-    vertices: &[u32],
-    side: &mut [u8],
-) -> Cut {
+pub(crate) fn bisect(pattern: &CsMat<f64>, points: &[Point3<f64>], vertices: &[u32], side: &mut [u8]) -> Cut {
     let mut best: Option<Cut> = None;
     for direction in directions(points, vertices) {
         let cut = cut_along(pattern, points, vertices, direction, side);
@@ -63,7 +58,8 @@ fn cut_along(
     }
     let separator = minimum_cover(pattern, vertices, side);
     separator.iter().for_each(|&vertex| side[vertex as usize] = OUTSIDE);
-    let part = |which: u8| vertices.iter().copied().filter(|&vertex| side[vertex as usize] == which).collect();
+    let part =
+        |which: u8| vertices.iter().copied().filter(|&vertex| side[vertex as usize] == which).collect();
     let parts = [part(0), part(1)];
     vertices.iter().for_each(|&vertex| side[vertex as usize] = OUTSIDE);
     Cut { parts, separator }
@@ -80,7 +76,8 @@ struct Crossing {
 
 impl Crossing {
     fn of(pattern: &CsMat<f64>, vertices: &[u32], side: &[u8]) -> Self {
-        let mut crossing = Self { left: Vec::new(), right: Vec::new(), starts: vec![0], neighbors: Vec::new() };
+        let mut crossing =
+            Self { left: Vec::new(), right: Vec::new(), starts: vec![0], neighbors: Vec::new() };
         for &vertex in vertices.iter().filter(|&&vertex| side[vertex as usize] == 0) {
             let before = crossing.neighbors.len();
             let row = pattern.indptr().outer_inds_sz(vertex as usize);
@@ -129,7 +126,8 @@ fn minimum_cover(pattern: &CsMat<f64>, vertices: &[u32], side: &[u8]) -> Vec<u32
         }
     }
     let left = (0..crossing.left.len()).filter(|&left| !left_reached[left]).map(|left| crossing.left[left]);
-    let right = (0..crossing.right.len()).filter(|&right| right_reached[right]).map(|right| crossing.right[right]);
+    let right =
+        (0..crossing.right.len()).filter(|&right| right_reached[right]).map(|right| crossing.right[right]);
     left.chain(right).collect()
 }
 

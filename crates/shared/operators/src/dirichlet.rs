@@ -152,7 +152,11 @@ impl Dirichlet {
         let reaction = |coupling: &Vec<(u32, f64)>| -> f64 {
             coupling.iter().map(|&(row, entry)| entry * response[row as usize]).sum()
         };
-        self.couplings.iter().zip(&self.among_handles[handle]).map(|(coupling, k)| k + reaction(coupling)).collect()
+        self.couplings
+            .iter()
+            .zip(&self.among_handles[handle])
+            .map(|(coupling, k)| k + reaction(coupling))
+            .collect()
     }
 
     /// Writes a block of response columns into their places in the row-major array.

@@ -53,9 +53,8 @@ impl Ordering {
     /// If it does not list each vertex below `vertex_count` once.
     pub fn from_saved(vertices: Vec<u32>, vertex_count: usize) -> Result<Self, NotAPermutation> {
         let mut seen = vec![false; vertex_count];
-        let fresh = |&vertex: &u32| {
-            seen.get_mut(vertex as usize).is_some_and(|seen| !std::mem::replace(seen, true))
-        };
+        let fresh =
+            |&vertex: &u32| seen.get_mut(vertex as usize).is_some_and(|seen| !std::mem::replace(seen, true));
         match vertices.len() == vertex_count && vertices.iter().all(fresh) {
             true => Ok(Self { vertices }),
             false => Err(NotAPermutation { vertex_count }),

@@ -20,7 +20,10 @@ impl Basis {
     /// If the length is no multiple of the handle count.
     #[must_use]
     pub fn new(values: Vec<f32>, handle_count: usize) -> Self {
-        assert!(handle_count > 0 && values.len() % handle_count == 0, "rows of one value per handle");
+        assert!(
+            handle_count > 0 && values.len().is_multiple_of(handle_count),
+            "rows of one value per handle"
+        );
         Self { values, handle_count }
     }
 
@@ -50,8 +53,9 @@ impl Basis {
         let coefficients = self.coefficients(frames);
         let mut out: Vec<Vec<f32>> = frames.iter().map(|_| vec![0.0; rest.len()]).collect();
         let mut slices: Vec<_> = out.iter_mut().map(|frame| frame.chunks_mut(ROWS * 3)).collect();
-        let tasks: Vec<Vec<&mut [f32]>> =
-            (0..self.vertex_count().div_ceil(ROWS)).map(|_| slices.iter_mut().filter_map(Iterator::next).collect()).collect();
+        let tasks: Vec<Vec<&mut [f32]>> = (0..self.vertex_count().div_ceil(ROWS))
+            .map(|_| slices.iter_mut().filter_map(Iterator::next).collect())
+            .collect();
         let basis_rows = self.values.par_chunks(ROWS * self.handle_count).zip(rest.par_chunks(ROWS * 3));
         tasks.into_par_iter().zip(basis_rows).for_each(|(mut out, (basis, rest))| {
             let mut sums = vec![0f32; width];

@@ -93,7 +93,10 @@ impl Surface {
 /// Refuses what the operators are not defined on; returns the number of bow ties that are let pass.
 fn check_manifold(around: &Connectivity, params: &Params) -> Result<usize, Error> {
     if let [first, ..] = &around.non_manifold_edges()[..] {
-        return Err(Error::NonManifold { count: around.non_manifold_edges().len(), vertices: first.vertices });
+        return Err(Error::NonManifold {
+            count: around.non_manifold_edges().len(),
+            vertices: first.vertices,
+        });
     }
     if let [first, ..] = &around.flipped_edges()[..] {
         return Err(Error::Flipped { count: around.flipped_edges().len(), vertices: first.vertices });
@@ -118,8 +121,9 @@ fn free_parts(
     let mut anchored = vec![false; count];
     let anchors = constraints.handles.iter().chain(&constraints.held);
     anchors.for_each(|&vertex| anchored[component[vertex as usize] as usize] = true);
-    let free: Vec<u32> =
-        (0..component.len() as u32).filter(|&vertex| !anchored[component[vertex as usize] as usize]).collect();
+    let free: Vec<u32> = (0..component.len() as u32)
+        .filter(|&vertex| !anchored[component[vertex as usize] as usize])
+        .collect();
     let mut sizes = vec![0usize; count];
     for &vertex in free.iter().filter(|vertex| !loose.contains(vertex)) {
         sizes[component[vertex as usize] as usize] += 1;

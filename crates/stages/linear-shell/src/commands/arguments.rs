@@ -1,0 +1,117 @@
+//! What the user may say.
+
+use artifact::{FrameRange, Unit};
+use clap::ValueEnum;
+use linear_shell::{BowTies, FreeComponents, Params};
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The scan in its rest pose (.obj, .ply)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mesh: PathBuf,
+    /// Unit of the mesh's coordinates; where the handles say it, this only checks it
+    #[arg(long, value_name = "mm|cm|m")]
+    pub(crate) unit: Option<Unit>,
+    /// Handle displacements (handles/1); `-` reads standard input
+    #[arg(long, value_name = "FILE")]
+    pub(crate) handles: PathBuf,
+    /// The sequence's index (large-scale/1) to write; the vertex cache stands beside it
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) out: PathBuf,
+    /// Form of the sequence
+    #[arg(long, value_enum, default_value_t = Format::Pc2)]
+    pub(crate) format: Format,
+    /// Vertices to keep still, e.g. the neck (vertex-set/1)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) held: Option<PathBuf>,
+    /// Solve every frame, or take the handles' responses once and combine them
+    #[arg(long, value_enum, default_value_t = Mode::Basis)]
+    pub(crate) mode: Mode,
+    /// Stretching stiffness k_s
+    #[arg(long, default_value_t = Params::default().stretching)]
+    pub(crate) stretching: f64,
+    /// Bending stiffness k_b, mm²; only its ratio to the stretching counts
+    #[arg(long, default_value_t = Params::default().bending_mm2)]
+    pub(crate) bending: f64,
+    /// Largest cotangent taken at its word; needles beyond it are tempered and counted
+    #[arg(long, default_value_t = Params::default().cotangent_limit)]
+    pub(crate) cotangent_limit: f64,
+    /// Parts of the mesh without a handle
+    #[arg(long, value_enum, default_value_t = FreeChoice::Refuse)]
+    free_components: FreeChoice,
+    /// Vertices where fans of triangles meet in a point only
+    #[arg(long, value_enum, default_value_t = BowTieChoice::Refuse)]
+    bow_ties: BowTieChoice,
+    /// Meet every handle softly, with a spring of this stiffness relative to the surface's own (1 = as stiff)
+    #[arg(long, value_name = "WEIGHT")]
+    pub(crate) soft: Option<f64>,
+    /// Frames to make, both ends included
+    #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
+    pub(crate) frames: Option<FrameRange>,
+    /// Continue what an interrupted run left
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Folder where elimination orders and response bases are kept, by content
+    #[arg(long, value_name = "DIR")]
+    pub(crate) cache: Option<PathBuf>,
+    /// Write the response basis too (response-basis/1 and a .npy beside it)
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) basis: Option<PathBuf>,
+}
+
+impl Arguments {
+    pub(crate) fn params(&self) -> Params {
+        Params {
+            stretching: self.stretching,
+            bending_mm2: self.bending,
+            cotangent_limit: self.cotangent_limit,
+            free_components: match self.free_components {
+                FreeChoice::Refuse => FreeComponents::Refuse,
+                FreeChoice::Hold => FreeComponents::Hold,
+            },
+            bow_ties: match self.bow_ties {
+                BowTieChoice::Refuse => BowTies::Refuse,
+                BowTieChoice::Join => BowTies::Join,
+            },
+        }
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// One vertex cache
+    Pc2,
+    /// One OBJ per frame, in a folder
+    Obj,
+    /// One PLY per frame, in a folder
+    Ply,
+    /// The displacement field, #V × 3 float64 in mm, one NumPy array per frame, in a folder
+    Npy,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Mode {
+    /// The handles' responses once; a frame is one dense product
+    Basis,
+    /// Three substitutions per frame; less memory
+    Direct,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FreeChoice {
+    /// Stop and name the part
+    Refuse,
+    /// Keep it where it is
+    Hold,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum BowTieChoice {
+    /// Stop and name the vertex
+    Refuse,
+    /// Hinge the fans there
+    Join,
+}

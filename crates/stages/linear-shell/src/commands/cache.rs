@@ -1,0 +1,112 @@
+//! Elimination orders and response bases, kept by content: the same mesh and parameters find them again.
+
+use super::Arguments;
+use super::solver::Solver;
+use anyhow::{Context, bail};
+use artifact::{FileRef, Handle, MeshRef, ResponseBasis, Staged};
+use linear_shell::{Basis, Completion, Constraints, Params};
+use operators::Ordering;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+pub(crate) struct Cache {
+    folder: Option<PathBuf>,
+    /// Names what the basis depends on: mesh, unit, handles, held vertices, parameters.
+    key: String,
+    /// Names what the order depends on: the mesh.
+    mesh_key: String,
+    mesh: MeshRef,
+    handles: Vec<Handle>,
+    parameters: serde_json::Value,
+}
+
+impl Cache {
+    pub(crate) fn new(
+        arguments: &Arguments,
+        mesh: &MeshRef,
+        handles: &[Handle],
+        constraints: &Constraints,
+        params: &Params,
+    ) -> anyhow::Result<Self> {
+        let parameters = serde_json::to_value(params)?;
+        let vertices = &constraints.handles;
+        let content = json!(["basis 1", mesh.file.sha256, mesh.unit, vertices, constraints.held, parameters]);
+        Ok(Self {
+            folder: arguments.cache.clone(),
+            key: artifact::sha256_of(content.to_string().as_bytes())[..24].to_string(),
+            mesh_key: mesh.file.sha256[..24].to_string(),
+            mesh: mesh.clone(),
+            handles: handles.to_vec(),
+            parameters,
+        })
+    }
+
+    pub(crate) fn key(&self) -> &str {
+        &self.key
+    }
+
+    fn basis_path(&self) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{}.basis.json", self.key)))
+    }
+
+    fn ordering_path(&self) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{}.order.npy", self.mesh_key)))
+    }
+
+    /// The kept basis, if there is one.
+    pub(crate) fn basis(&self) -> anyhow::Result<Option<(Basis, Completion)>> {
+        let Some(path) = self.basis_path().filter(|path| path.exists()) else { return Ok(None) };
+        let header: ResponseBasis = artifact::read_document(&path)?;
+        let array = path.with_file_name(&header.array.name);
+        let ([rows, columns], values) = artifact::npy::read_f32(&array)?;
+        if rows != self.mesh.vertex_count || columns != self.handles.len() {
+            bail!("{}: is {rows} × {columns}\n  to do: remove it; it will be made again", array.display());
+        }
+        Ok(Some((Basis::new(values, columns), Completion::new(&header.schur))))
+    }
+
+    pub(crate) fn keep_basis(&self, solver: &Solver) -> anyhow::Result<()> {
+        match self.basis_path() {
+            Some(path) => {
+                self.write_basis(&path, solver)?.into_iter().try_for_each(Staged::publish).map_err(Into::into)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Stages a basis under any name; the array before the header that refers to it.
+    pub(crate) fn write_basis(&self, path: &Path, solver: &Solver) -> anyhow::Result<Vec<Staged>> {
+        let (Some(basis), Some(completion)) = (solver.basis(), solver.known_completion()) else {
+            bail!("--basis needs --mode basis");
+        };
+        let array_path = path.with_extension("npy");
+        let array =
+            artifact::npy::write(&array_path, [basis.vertex_count(), self.handles.len()], basis.values())?;
+        let staged_at = array.temporary().context("a basis cannot be written to a pipe")?;
+        let header = ResponseBasis {
+            mesh: self.mesh.clone(),
+            handles: self.handles.clone(),
+            parameters: self.parameters.clone(),
+            array: FileRef { name: artifact::file_name(&array_path), sha256: artifact::sha256(staged_at)? },
+            schur: completion.rows(),
+        };
+        let header = artifact::write_document(path, &header)?;
+        Ok(vec![array, header])
+    }
+
+    /// The kept elimination order, if there is one.
+    pub(crate) fn ordering(&self) -> anyhow::Result<Option<Ordering>> {
+        let Some(path) = self.ordering_path().filter(|path| path.exists()) else { return Ok(None) };
+        let vertices = artifact::npy::read_u32(&path)?;
+        let ordering = Ordering::from_saved(vertices, self.mesh.vertex_count)
+            .with_context(|| format!("{}: remove it; it will be made again", path.display()))?;
+        Ok(Some(ordering))
+    }
+
+    pub(crate) fn keep_ordering(&self, ordering: &Ordering) -> anyhow::Result<()> {
+        match self.ordering_path() {
+            Some(path) => Ok(artifact::npy::write_u32(&path, ordering.vertices())?.publish()?),
+            None => Ok(()),
+        }
+    }
+}

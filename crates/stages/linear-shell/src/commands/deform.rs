@@ -1,0 +1,244 @@
+//! The run: read, survey, factor, frame after frame, write.
+
+use super::Arguments;
+use super::cache::Cache;
+use super::output::Output;
+use super::solver::Solver;
+use super::take::HandleTake;
+use anyhow::{Context, bail};
+use artifact::{FrameRange, HandleFrame, LargeScale, MeshRef, VertexSet};
+use linear_shell::{Constraints, LeaveOneOut, Surface, Survey, TearWatch};
+use mesh::Mesh;
+use nalgebra::Vector3;
+use serde_json::json;
+use stage::Run;
+use std::collections::BTreeMap;
+
+/// Frames that are combined in one pass over the response basis.
+const BATCH: usize = 16;
+
+pub(crate) fn deform(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(weight) = arguments.soft.filter(|weight| !(weight.is_finite() && *weight > 0.0)) {
+        bail!("--soft {weight}: the weight must be a positive number");
+    }
+    let mut take = HandleTake::open(&arguments.handles, arguments.frames.unwrap_or(FrameRange::ALL))?;
+    let (mesh, mesh_ref) = read_mesh(run, arguments, &take)?;
+    let handles_file = run.input("handles", &arguments.handles)?;
+    let constraints = Constraints {
+        handles: take.header.handles.iter().map(|handle| handle.vertex).collect(),
+        held: read_held(run, arguments, &mesh_ref)?,
+    };
+    let params = arguments.params();
+    run.parameters(&json!({ "shell": params, "mode": arguments.mode, "soft": arguments.soft }))?;
+    let survey = || Surface::survey(&mesh, &constraints, &params);
+    let surface = run
+        .timed("assembly", survey)
+        .with_context(|| format!("{}: cannot become a shell", arguments.mesh.display()))?;
+    report_survey(run, surface.report());
+    report_take(run, &take);
+
+    let cache = Cache::new(arguments, &mesh_ref, &take.header.handles, &constraints, &params)?;
+    let mut solver = Solver::prepare(run, arguments, &cache, &surface, &constraints)?;
+    if let Some(path) = &arguments.basis {
+        let staged = cache.write_basis(path, &solver)?;
+        run.publish(staged)?;
+    }
+    let key = format!("{} {} {:?} {:?}", cache.key(), handles_file.sha256, arguments.frames, arguments.soft);
+    let mut output = Output::start(arguments, &mesh, mesh_ref.unit, &take, &key)?;
+    let findings = animate(run, arguments, &mesh, &surface, &mut take, &mut solver, &mut output)?;
+    findings.report(run, &take, &surface, &constraints);
+    let index = LargeScale {
+        mesh: mesh_ref,
+        cache: output.name().to_string(),
+        rate: take.header.rate,
+        frames: take.frames.clone(),
+        take: take.header.take.clone(),
+    };
+    run.result("frames", take.frames.len());
+    let mut staged = run.timed("write", || output.finish())?;
+    staged.push(artifact::write_document(&arguments.out, &index)?);
+    run.publish(staged)
+}
+
+fn read_mesh(run: &mut Run, arguments: &Arguments, take: &HandleTake) -> anyhow::Result<(Mesh, MeshRef)> {
+    let stated = [("--unit", arguments.unit), ("the handles file", Some(take.header.mesh.unit))];
+    let (mesh, mesh_ref) = run.mesh("mesh", &arguments.mesh, &stated)?;
+    match take.header.mesh.mismatch(&mesh_ref) {
+        Some(why) => {
+            bail!("{}: {why}\n  to do: give the mesh that the handles were made for", take.path.display())
+        }
+        None => Ok((mesh, mesh_ref)),
+    }
+}
+
+fn read_held(run: &mut Run, arguments: &Arguments, mesh: &MeshRef) -> anyhow::Result<Vec<u32>> {
+    let Some(path) = &arguments.held else { return Ok(Vec::new()) };
+    let set: VertexSet = artifact::read_document(path)?;
+    run.input("held", path)?;
+    match set.mesh.mismatch(mesh) {
+        Some(why) => bail!("{}: {why}", path.display()),
+        None => Ok(set.vertices),
+    }
+}
+
+/// What the frames showed.
+struct Findings {
+    leave_one_out: LeaveOneOut,
+    tears: TearWatch,
+}
+
+/// Makes every frame that is not there yet.
+fn animate(
+    run: &mut Run,
+    arguments: &Arguments,
+    mesh: &Mesh,
+    surface: &Surface,
+    take: &mut HandleTake,
+    solver: &mut Solver,
+    output: &mut Output,
+) -> anyhow::Result<Findings> {
+    let vertices: Vec<u32> = take.header.handles.iter().map(|handle| handle.vertex).collect();
+    let mut findings = Findings {
+        leave_one_out: LeaveOneOut::new(vertices.len()),
+        tears: TearWatch::new(surface, &vertices),
+    };
+    let rest: Vec<f32> =
+        mesh.positions.iter().flat_map(|point| [point.x as f32, point.y as f32, point.z as f32]).collect();
+    let done = output.already();
+    if done > 0 {
+        run.say(&format!("{done} frames are there already"));
+    }
+    let mut frames = take.frames_from(done)?;
+    let mut progress = run.progress("frames", Some((take.frames.len() - done) as u64));
+    loop {
+        let batch: Vec<HandleFrame> = frames.by_ref().take(BATCH).collect::<artifact::Result<_>>()?;
+        if batch.is_empty() {
+            return Ok(findings);
+        }
+        let completed: Vec<Vec<Vector3<f64>>> =
+            batch.iter().map(|frame| complete(frame, arguments, solver)).collect::<anyhow::Result<_>>()?;
+        findings.add(&batch, &completed, solver);
+        write_batch(run, &rest, &batch, &completed, solver, output)?;
+        batch.iter().for_each(|_| progress.step());
+    }
+}
+
+fn write_batch(
+    run: &mut Run,
+    rest: &[f32],
+    batch: &[HandleFrame],
+    completed: &[Vec<Vector3<f64>>],
+    solver: &Solver,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    if output.wants_fields() {
+        let fields = run.timed("frames", || solver.fields(completed));
+        let mut pairs = batch.iter().zip(&fields);
+        return Ok(pairs.try_for_each(|(frame, field)| output.write_field(frame.frame, field))?);
+    }
+    let scale = 1.0 / output.unit().in_mm();
+    let deformed = run.timed("frames", || solver.deform(rest, completed, scale));
+    let mut pairs = batch.iter().zip(&deformed);
+    Ok(run.timed("write", || {
+        pairs.try_for_each(|(frame, coordinates)| output.write(frame.frame, coordinates))
+    })?)
+}
+
+/// Where all handles go in a frame: as told, or, missing or soft, as the shell's energy has it.
+fn complete(
+    frame: &HandleFrame,
+    arguments: &Arguments,
+    solver: &mut Solver,
+) -> anyhow::Result<Vec<Vector3<f64>>> {
+    let weights: Vec<Option<f64>> = frame.weights.iter().map(|weight| weight.or(arguments.soft)).collect();
+    let told: Option<Vec<Vector3<f64>>> = frame.displacements.iter().copied().collect();
+    match told {
+        Some(told) if weights.iter().all(Option::is_none) => Ok(told),
+        _ => solver
+            .completion()
+            .complete(&frame.displacements, &weights)
+            .with_context(|| format!("frame {}", frame.frame)),
+    }
+}
+
+impl Findings {
+    fn add(&mut self, batch: &[HandleFrame], completed: &[Vec<Vector3<f64>>], solver: &Solver) {
+        for (frame, handles) in batch.iter().zip(completed) {
+            self.tears.add(handles);
+            let whole = frame.displacements.iter().all(Option::is_some);
+            if let Some(completion) = solver.known_completion().filter(|_| whole) {
+                self.leave_one_out.add(completion, handles);
+            }
+        }
+    }
+
+    fn report(&self, run: &mut Run, take: &HandleTake, surface: &Surface, constraints: &Constraints) {
+        let name = |handle: usize| take.header.handles[handle].marker.clone();
+        if self.leave_one_out.frame_count() > 0 {
+            let rms = self.leave_one_out.rms_mm();
+            let worst = self.leave_one_out.worst_mm();
+            let per_marker: BTreeMap<String, serde_json::Value> = (0..rms.len())
+                .map(|i| (name(i), json!({ "rms_mm": rounded(rms[i]), "worst_mm": rounded(worst[i]) })))
+                .collect();
+            run.result("leave_one_out", per_marker);
+            if let Some(i) = (0..rms.len()).max_by(|&a, &b| rms[a].total_cmp(&rms[b])) {
+                run.result("leave_one_out_worst", format!("{} ({:.2} mm rms)", name(i), rms[i]));
+            }
+        }
+        let tears = self.tears.tears(surface, &constraints.handles);
+        for tear in tears.iter().take(3) {
+            run.warn(format!(
+                "markers {} and {} move from {:.0} to {:.0} mm apart over a closed surface; is the mouth (or an eye) cut \
+                 open in the scan? `mesh-clip` opens it",
+                name(tear.handles[0]), name(tear.handles[1]), tear.rest_mm, tear.largest_mm
+            ));
+        }
+        run.result("tears", tears.len());
+    }
+}
+
+/// Micrometres are enough for a side-car.
+fn rounded(mm: f64) -> f64 {
+    (mm * 1e3).round() / 1e3
+}
+
+fn report_survey(run: &mut Run, survey: &Survey) {
+    run.result("surface", survey);
+    run.result("vertices", survey.vertices);
+    let notes = [
+        (survey.unreferenced_vertices, "vertices belong to no face; they stay still"),
+        (survey.bow_ties, "bow-tie vertices hinge their fans of triangles"),
+        (survey.held_components, "parts of the mesh have no handle; they stay still"),
+        (survey.triangles_without_area, "triangles have no area; they were left out"),
+        (survey.clamped_cotangents, "cotangents of needle triangles were cut to the limit"),
+    ];
+    for (count, what) in notes.into_iter().filter(|note| note.0 > 0) {
+        run.warn(format!("{count} {what}"));
+    }
+    if survey.openings_mm.is_empty() {
+        run.warn(
+            "the scan has no opening: mouth and eyes are closed surfaces, so lips and lids cannot part; \
+             `mesh-clip` opens them",
+        );
+    }
+}
+
+fn report_take(run: &mut Run, take: &HandleTake) {
+    let missing: BTreeMap<&str, usize> = (0..take.missing.len())
+        .filter(|&handle| take.missing[handle] > 0)
+        .map(|handle| (take.header.handles[handle].marker.as_str(), take.missing[handle]))
+        .collect();
+    run.result("missing_frames", &missing);
+    let never: Vec<&str> =
+        missing.iter().filter(|(_, count)| **count == take.frames.len()).map(|(marker, _)| *marker).collect();
+    if !never.is_empty() {
+        run.warn(format!("never seen: {}; the shell decides where they go", never.join(", ")));
+    }
+    if let (Some(first), Some(last)) = (take.gaps.first(), take.gaps.last()) {
+        let count = take.gaps.len();
+        run.warn(format!(
+            "{count} frames from {first} to {last} have no marker at all; they are left out of the sequence"
+        ));
+        run.result("gap_frames", &take.gaps);
+    }
+}

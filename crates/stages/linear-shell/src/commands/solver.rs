@@ -1,0 +1,106 @@
+//! Direct solves or the response basis, behind one face.
+
+use super::Arguments;
+use super::arguments::Mode;
+use super::cache::Cache;
+use linear_shell::{Basis, Completion, Constraints, Shell, Surface};
+use nalgebra::Vector3;
+use stage::Run;
+
+/// What turns handle displacements into frames.
+pub(crate) struct Solver {
+    method: Method,
+    completion: Option<Completion>,
+}
+
+enum Method {
+    Basis(Basis),
+    Direct(Box<Shell>),
+}
+
+impl Solver {
+    /// Takes the basis from the cache, or orders, factors and, in basis mode, solves for it.
+    pub(crate) fn prepare(
+        run: &mut Run,
+        arguments: &Arguments,
+        cache: &Cache,
+        surface: &Surface,
+        constraints: &Constraints,
+    ) -> anyhow::Result<Self> {
+        let basis_wanted = arguments.mode == Mode::Basis || arguments.basis.is_some();
+        if basis_wanted && let Some((basis, completion)) = cache.basis()? {
+            run.say("the response basis was kept from an earlier run");
+            return Ok(Self { method: Method::Basis(basis), completion: Some(completion) });
+        }
+        let ordering = match cache.ordering()? {
+            Some(ordering) => ordering,
+            None => {
+                let ordering = run.timed("ordering", || surface.ordering());
+                cache.keep_ordering(&ordering)?;
+                ordering
+            }
+        };
+        let shell = run.timed("factor", || Shell::factor(surface, constraints, &ordering))?;
+        run.result("factor_entries", shell.factor_entry_count());
+        if !basis_wanted {
+            return Ok(Self { method: Method::Direct(Box::new(shell)), completion: None });
+        }
+        let (basis, completion) = run.timed("basis", || shell.basis());
+        let solver = Self { method: Method::Basis(basis), completion: Some(completion) };
+        cache.keep_basis(&solver)?;
+        Ok(solver)
+    }
+
+    /// Where missing and soft handles go; in direct mode found when first asked for.
+    pub(crate) fn completion(&mut self) -> &Completion {
+        let method = &self.method;
+        self.completion.get_or_insert_with(|| match method {
+            Method::Direct(shell) => shell.completion(),
+            // A basis always comes with its completion.
+            Method::Basis(_) => Completion::new(&[]),
+        })
+    }
+
+    /// The completion, if it is known already.
+    pub(crate) fn known_completion(&self) -> Option<&Completion> {
+        self.completion.as_ref()
+    }
+
+    /// The basis, in basis mode.
+    pub(crate) fn basis(&self) -> Option<&Basis> {
+        match &self.method {
+            Method::Basis(basis) => Some(basis),
+            Method::Direct(_) => None,
+        }
+    }
+
+    /// Deformed coordinates of a batch of frames, `scale · (rest + d)`.
+    pub(crate) fn deform(&self, rest: &[f32], frames: &[Vec<Vector3<f64>>], scale: f64) -> Vec<Vec<f32>> {
+        match &self.method {
+            Method::Basis(basis) => basis.deform(rest, frames, scale),
+            Method::Direct(shell) => {
+                frames.iter().map(|handles| place(rest, &flat(&shell.solve(handles)), scale)).collect()
+            }
+        }
+    }
+
+    /// Displacements of a batch of frames, #V × 3, mm: in f64 as the direct solve finds them.
+    pub(crate) fn fields(&self, frames: &[Vec<Vector3<f64>>]) -> Vec<Vec<f64>> {
+        match &self.method {
+            Method::Basis(basis) => {
+                let still = vec![0.0; basis.vertex_count() * 3];
+                let widen = |field: Vec<f32>| field.into_iter().map(f64::from).collect();
+                basis.deform(&still, frames, 1.0).into_iter().map(widen).collect()
+            }
+            Method::Direct(shell) => frames.iter().map(|handles| flat(&shell.solve(handles))).collect(),
+        }
+    }
+}
+
+fn flat(field: &[Vector3<f64>]) -> Vec<f64> {
+    field.iter().flat_map(|d| [d.x, d.y, d.z]).collect()
+}
+
+fn place(rest: &[f32], field: &[f64], scale: f64) -> Vec<f32> {
+    rest.iter().zip(field).map(|(&rest, d)| ((f64::from(rest) + d) * scale) as f32).collect()
+}
