@@ -117,7 +117,7 @@ fn labels(path: &Path, lines: &[&str], head: &Head, warnings: &mut Vec<String>) 
     let cells: Vec<&str> = lines[3].split('\t').map(str::trim).skip(LEADING).collect();
     let filled: Vec<usize> = (0..cells.len()).filter(|&column| !cells[column].is_empty()).collect();
     let in_range = |&column: &usize| column % 3 == 0 && column / 3 < marker_count;
-    if filled.iter().all(in_range) && cells.len() + 2 >= 3 * marker_count {
+    if filled.iter().all(in_range) && cells.len() + 2 >= marker_count.saturating_mul(3) {
         let cell = |marker: usize| cells.get(3 * marker).copied().unwrap_or_default().to_string();
         return Ok((0..marker_count).map(cell).collect());
     }

@@ -80,6 +80,7 @@ fn malformed_files_are_refused_at_their_place() {
         ("120\t120\t3\t2", "120\t120\t3\t3", "NumMarkers says 3"),
         ("120\t120\t3\t2", "120\t120\t3\t0", "no markers"),
         ("120\t120\t3\t2", "120\t120\t300\t2", "holds 3 frames of 300"),
+        ("120\t120\t3\t2", "120\t120\t3\t9999999999999999999", "NumMarkers says 9"),
         ("\t300\n1002", "\t300\t7\n1002", "beyond the 2 markers"),
         ("\t\tX1", "\t\tQ1", "line 5"),
         ("\t300\n1002", "\tinf\n1002", "not a finite number"),

@@ -5,6 +5,7 @@
 //! each leniency with a warning. Written: Intel, real, mm, no analog values.
 //! See the guide `docs/marker-formats.md`; the format is described by the user guide of c3d.org.
 
+mod claims;
 mod layout;
 mod parameters;
 mod points;
@@ -153,7 +154,7 @@ fn first_frame(
     warnings: &mut Vec<String>,
 ) -> std::result::Result<i64, Violation> {
     let header = u64::from(word(bytes, 6));
-    let Some((trial, _)) = layout::trial_range(parameters)? else { return Ok(header as i64) };
+    let Some((trial, _)) = claims::trial_range(parameters)? else { return Ok(header as i64) };
     if header == trial.min(65535) || header == trial % 65536 {
         return Ok(trial as i64);
     }

@@ -59,9 +59,9 @@ impl Decoder<'_> {
             return Ok(None);
         }
         match words.iter().find(|word| !word.is_finite()) {
-            Some(word) => {
-                Err(format!("{word} is not a finite number, but the sample is not marked as missing"))
-            }
+            Some(word) => Err(format!(
+                "{word} is not a finite number, and the sample is not marked as missing (by a residual of -1)"
+            )),
             None => Ok(Some(Point3::new(f64::from(x), f64::from(y), f64::from(z)) * self.mm_per_unit)),
         }
     }
