@@ -7,7 +7,7 @@
 //!   the schema (`kind/version`) comes first and is checked first.
 //! - *Outputs* are [`Staged`]: written under a temporary name, shown by [`Staged::publish`].
 //! - *Errors* name the file, the place in it, what is wrong and what to do.
-//! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`pc2`], …) are converted where
+//! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`pc2`], [`c3d`], [`trc`], …) are converted where
 //!   they are read and written.
 //!
 //! ```no_run
@@ -30,6 +30,7 @@ mod correspondence;
 mod handles;
 mod head_pose;
 mod large_scale;
+mod markers;
 mod mesh_file;
 mod response_basis;
 mod take;
@@ -37,10 +38,13 @@ mod trajectories;
 mod vertices;
 mod warp;
 
+pub mod c3d;
+pub mod marker_csv;
 pub mod npy;
 pub mod obj;
 pub mod pc2;
 pub mod provenance;
+pub mod trc;
 
 pub use correspondence::{Correspondence, Pair};
 pub use envelope::{
@@ -51,6 +55,7 @@ pub use error::{Error, Result, Violation, finite};
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
 pub use large_scale::LargeScale;
+pub use markers::{read_trajectories, write_trajectories};
 pub use mesh_file::{read_mesh, write_mesh};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
 pub use response_basis::ResponseBasis;
@@ -59,7 +64,6 @@ pub use staged::{Sink, Staged, discard_unfinished, is_standard_stream, stage_byt
 pub use take::{Axis, Clock, Consent, Take, TakeCamera, TakeRef};
 pub use trajectories::{
     HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
-    read_trajectories,
 };
 pub use vertices::{VertexMapping, VertexSet};
 pub use warp::{Interpolant, Warp, WarpFit};

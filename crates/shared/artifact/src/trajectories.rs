@@ -204,16 +204,3 @@ impl Trajectories {
         writer.finish()
     }
 }
-
-/// Reads markers of any supported format, by the file's ending: `.jsonl` (kind `S`), `.c3d`, `.trc`, `.csv`.
-/// `unit` is for formats that may not state theirs; where a file states another one, it is refused.
-///
-/// # Errors
-/// If the file cannot be read, states no unit and none is given, or states another one.
-pub fn read_trajectories<S>(path: &Path, unit: Option<Unit>) -> Result<Trajectories>
-where
-    S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
-{
-    let _ = unit;
-    Trajectories::read::<S>(path)
-}

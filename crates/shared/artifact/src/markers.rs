@@ -1,0 +1,262 @@
+//! Markers of any supported format, by the file's ending, and what those formats share: labels, units, gaps.
+
+use crate::mesh_file::ending;
+use crate::trajectories::check_ids;
+use crate::{
+    Error, MarkerFrame, MarkerHeader, Rate, Result, Staged, Stream, Trajectories, Unit, Violation, c3d,
+    is_standard_stream, marker_csv, trc,
+};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+/// How many names or places a warning lists before it only counts.
+const LISTED: usize = 5;
+
+/// Units of length that exist but that no artifact uses; stating another one does not make them go away.
+const FOREIGN_UNITS: [&str; 12] =
+    ["in", "inch", "inches", "ft", "foot", "feet", "dm", "um", "µm", "yd", "yard", "km"];
+
+/// Reads markers of any supported format, by the file's ending: `.jsonl` or `-` (kind `S`), `.c3d`, `.trc`, `.csv`.
+///
+/// Positions come out in mm. `unit` is what the user says the file is in, for formats that do not say it themselves.
+/// Also returns warnings: what was malformed, and how it was read all the same.
+///
+/// # Errors
+/// If the ending is unknown, the file cannot be read, states no unit and none is given, or states another one.
+pub fn read_trajectories<S>(path: &Path, unit: Option<Unit>) -> Result<(Trajectories, Vec<String>)>
+where
+    S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
+{
+    let (trajectories, warnings) = match ending(path).as_str() {
+        _ if is_standard_stream(path) => (read_artifact::<S>(path, unit)?, Vec::new()),
+        "jsonl" => (read_artifact::<S>(path, unit)?, Vec::new()),
+        "c3d" => {
+            let c3d = c3d::read(path, unit)?;
+            (c3d.trajectories, c3d.warnings)
+        }
+        "trc" => trc::read(path, unit)?,
+        "csv" => marker_csv::read(path, unit)?,
+        _ => return Err(unknown(path, ".jsonl, .c3d, .trc or .csv")),
+    };
+    let warnings = warnings.into_iter().map(|warning| format!("{}: {warning}", path.display()));
+    Ok((trajectories, warnings.collect()))
+}
+
+/// Writes markers in any supported format, by the file's ending: `.jsonl` or `-` (kind `S`), `.c3d`, `.trc`.
+///
+/// # Errors
+/// If the ending is unknown, the format cannot hold the markers, or the file cannot be written.
+pub fn write_trajectories<S>(path: &Path, trajectories: &Trajectories) -> Result<Staged>
+where
+    S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
+{
+    match ending(path).as_str() {
+        _ if is_standard_stream(path) => trajectories.write::<S>(path),
+        "jsonl" => trajectories.write::<S>(path),
+        "c3d" => c3d::write(path, trajectories),
+        "trc" => trc::write(path, trajectories),
+        _ => Err(unknown(path, ".jsonl, .c3d or .trc")),
+    }
+}
+
+fn read_artifact<S>(path: &Path, unit: Option<Unit>) -> Result<Trajectories>
+where
+    S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
+{
+    let trajectories = Trajectories::read::<S>(path)?;
+    agree(path, "unit", trajectories.header.unit, unit)?;
+    Ok(trajectories)
+}
+
+fn unknown(path: &Path, known: &str) -> Error {
+    Error::new(path, "has an ending that is no marker format known here").fix(format!("use {known}"))
+}
+
+/// The unit of a file whose text says `text` at `place`, where the user stated `stated`.
+///
+/// # Errors
+/// If nobody states a unit that we know, or two statements disagree.
+pub(crate) fn resolve_unit(
+    path: &Path,
+    place: &str,
+    text: Option<&str>,
+    stated: Option<Unit>,
+    warnings: &mut Vec<String>,
+) -> Result<Unit> {
+    let text = text.map(str::trim).unwrap_or_default();
+    if let Ok(unit) = text.parse::<Unit>() {
+        return agree(path, place, unit, stated);
+    }
+    if FOREIGN_UNITS.contains(&text.to_ascii_lowercase().as_str()) {
+        return Err(Error::new(path, format!("is in '{text}', which is not read here"))
+            .at(place)
+            .fix("export it in mm, cm or m"));
+    }
+    let what = match text {
+        "" => "states no unit".to_string(),
+        _ => format!("'{text}' is not a unit known here"),
+    };
+    let Some(unit) = stated else {
+        return Err(Error::new(path, what).at(place).fix("say --unit mm, --unit cm or --unit m"));
+    };
+    if !text.is_empty() {
+        warnings.push(format!("{place}: {what}; read in {unit}, as stated"));
+    }
+    Ok(unit)
+}
+
+fn agree(path: &Path, place: &str, unit: Unit, stated: Option<Unit>) -> Result<Unit> {
+    match stated.filter(|&stated| stated != unit) {
+        Some(stated) => Err(Error::new(path, format!("the file says {unit}, but --unit says {stated}"))
+            .at(place)
+            .fix("find out which is right: leave --unit out, or mend the file")),
+        None => Ok(unit),
+    }
+}
+
+/// Makes ids of the labels of a file: an empty one becomes `marker_N` (N counts from 1), a doubled one `name_2`.
+pub(crate) fn ids_of_labels(labels: &[String], warnings: &mut Vec<String>) -> Vec<String> {
+    let mut taken: HashSet<String> = labels.iter().cloned().collect();
+    let mut seen = HashSet::new();
+    let mut suffixes = HashMap::new();
+    let (mut generated, mut renamed) = (Vec::new(), Vec::new());
+    let mut ids = Vec::with_capacity(labels.len());
+    for (index, label) in labels.iter().enumerate() {
+        let wanted = if label.is_empty() { format!("marker_{}", index + 1) } else { label.clone() };
+        let free = if label.is_empty() { !taken.contains(&wanted) } else { seen.insert(label) };
+        let id = if free { wanted } else { next_free(&wanted, &mut suffixes, &taken) };
+        taken.insert(id.clone());
+        if label.is_empty() {
+            generated.push(id.clone());
+        } else if id != *label {
+            renamed.push(format!("{label} → {id}"));
+        }
+        ids.push(id);
+    }
+    if !generated.is_empty() {
+        warnings.push(format!("{} markers have no label; named {}", generated.len(), listed(&generated)));
+    }
+    if !renamed.is_empty() {
+        warnings.push(format!("{} labels stand twice; renamed {}", renamed.len(), listed(&renamed)));
+    }
+    ids
+}
+
+/// The first of `name_2`, `name_3`, … that no other marker has.
+fn next_free(name: &str, suffixes: &mut HashMap<String, usize>, taken: &HashSet<String>) -> String {
+    // Where the last search for this name ended, so that thousands of equal labels stay quick.
+    let suffix = suffixes.entry(name.to_string()).or_insert(2);
+    while taken.contains(&format!("{name}_{suffix}")) {
+        *suffix += 1;
+    }
+    format!("{name}_{suffix}")
+}
+
+/// A list for a message; a long one is cut and counted.
+pub(crate) fn listed(items: &[String]) -> String {
+    let shown = items[..items.len().min(LISTED)].join(", ");
+    match items.len().saturating_sub(LISTED) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+/// The rate that a file gives as a decimal number.
+pub(crate) fn rate_of(place: &str, hz: f64, warnings: &mut Vec<String>) -> Option<Rate> {
+    let rate = Rate::from_hz(hz);
+    if rate.is_none() {
+        warnings.push(format!("{place}: {hz} frames per second is no rate; read without one"));
+    }
+    rate
+}
+
+/// A number in a cell of a text format; `None` where the sample is missing (an empty cell, or NaN).
+pub(crate) fn number_in_cell(cell: &str) -> std::result::Result<Option<f64>, String> {
+    let cell = cell.trim();
+    if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
+        return Ok(None);
+    }
+    match cell.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(Some(number)),
+        Ok(_) => Err(format!("'{cell}' is not a finite number")),
+        Err(_) => Err(format!("'{cell}' is not a number")),
+    }
+}
+
+/// A point in three cells; `None` where all are empty.
+pub(crate) fn point_in_cells(
+    cells: [&str; 3],
+    scale: f64,
+) -> std::result::Result<Option<nalgebra::Point3<f64>>, String> {
+    match (number_in_cell(cells[0])?, number_in_cell(cells[1])?, number_in_cell(cells[2])?) {
+        (Some(x), Some(y), Some(z)) => Ok(Some(nalgebra::Point3::new(x, y, z) * scale)),
+        (None, None, None) => Ok(None),
+        _ => Err("has only some of its three coordinates".to_string()),
+    }
+}
+
+/// What every writer asks of trajectories; returns the rate, without which these formats cannot be.
+pub(crate) fn check_writable(path: &Path, trajectories: &Trajectories) -> Result<Rate> {
+    let header = &trajectories.header;
+    let refuse = |what: &str, fix: &str| Err(Error::new(path, what).fix(fix));
+    check_ids(&header.markers).map_err(|violation| violation.in_file(path))?;
+    if header.markers.is_empty() || trajectories.frames.is_empty() {
+        return refuse("there are no markers or no frames to write", "check the stage before");
+    }
+    check_frames(trajectories).map_err(|violation| violation.in_file(path))?;
+    match header.rate.filter(|rate| rate.hz().is_finite() && rate.hz() > 0.0) {
+        Some(rate) => Ok(rate),
+        None => refuse(
+            "the trajectories have no frame rate, which this format needs",
+            "write .jsonl, or give the source a rate",
+        ),
+    }
+}
+
+fn check_frames(trajectories: &Trajectories) -> std::result::Result<(), Violation> {
+    let markers = &trajectories.header.markers;
+    let mut last = None;
+    for frame in &trajectories.frames {
+        if let Some(last) = last.filter(|&last| last >= frame.frame) {
+            return Err(Violation::new(format!("frame {}", frame.frame), format!("follows frame {last}")));
+        }
+        last = Some(frame.frame);
+        if frame.points.len() != markers.len() {
+            let what = format!("has {} points for {} markers", frame.points.len(), markers.len());
+            return Err(Violation::new(format!("frame {}", frame.frame), what));
+        }
+        for (marker, point) in markers.iter().zip(&frame.points) {
+            if let Some(number) = point.iter().flat_map(|point| point.iter()).find(|x| !x.is_finite()) {
+                let place = format!("frame {}, marker {marker}", frame.frame);
+                return Err(Violation::new(place, format!("{number} is not a finite number")));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ids(labels: &[&str]) -> (Vec<String>, usize) {
+        let mut warnings = Vec::new();
+        let labels: Vec<String> = labels.iter().map(ToString::to_string).collect();
+        (ids_of_labels(&labels, &mut warnings), warnings.len())
+    }
+
+    #[test]
+    fn labels_become_ids_that_differ() {
+        assert_eq!(ids(&["a", "b"]), (vec!["a".into(), "b".into()], 0));
+        assert_eq!(ids(&["a", "", "a", "a_2", "a"]).0, ["a", "marker_2", "a_3", "a_2", "a_4"]);
+        assert_eq!(ids(&["", "marker_1", ""]).0, ["marker_1_2", "marker_1", "marker_3"]);
+        assert_eq!(ids(&["a", "", "a"]).1, 2);
+    }
+
+    #[test]
+    fn many_equal_labels_stay_quick_and_differ() {
+        let labels = vec!["x".to_string(); 20_000];
+        let ids = ids_of_labels(&labels, &mut Vec::new());
+        assert_eq!(ids.iter().collect::<HashSet<_>>().len(), 20_000);
+    }
+}
