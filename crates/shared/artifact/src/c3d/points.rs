@@ -44,7 +44,8 @@ impl Decoder<'_> {
         })
     }
 
-    /// A point, mm: three coordinates, then a word that holds the residual and is negative where it is missing.
+    /// A point, mm: three coordinates, then a word that holds the residual and is negative where it is missing. Some
+    /// writers mark a missing sample by three NaN instead.
     fn point(&self, bytes: &[u8]) -> std::result::Result<Option<Point3<f64>>, String> {
         let words: [f32; 4] = match self.layout.storage {
             // In the file's own precision, so that the same take stored as reals gives the same numbers.
@@ -55,7 +56,7 @@ impl Decoder<'_> {
             Storage::Real => std::array::from_fn(|i| super::real(bytes, 4 * i) as f32),
         };
         let [x, y, z, residual] = words;
-        if residual < 0.0 {
+        if residual < 0.0 || words[..3].iter().all(|word| word.is_nan()) {
             return Ok(None);
         }
         match words.iter().find(|word| !word.is_finite()) {
