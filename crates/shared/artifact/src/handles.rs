@@ -73,6 +73,7 @@ impl Stream for Handles {
 
     fn check(header: &HandlesHeader) -> Result<(), Violation> {
         check_ids(&header.handles.iter().map(|handle| handle.marker.clone()).collect::<Vec<_>>())?;
+        header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         let mut taken = HashMap::new();
         for handle in &header.handles {
             let place = format!("marker {}", handle.marker);

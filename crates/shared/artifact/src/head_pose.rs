@@ -51,7 +51,7 @@ pub struct HeadPoseLine {
 /// A rigid transform.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Transform {
+pub(crate) struct Transform {
     /// Unit quaternion, scalar part first.
     rotation_wxyz: [f64; 4],
     translation_mm: [f64; 3],
@@ -71,6 +71,7 @@ impl Stream for HeadPose {
     type Line = HeadPoseLine;
 
     fn check(header: &HeadPoseHeader) -> Result<(), Violation> {
+        header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         crate::trajectories::check_ids(&header.markers)
     }
 
@@ -80,9 +81,12 @@ impl Stream for HeadPose {
             Transform { rotation_wxyz: [q.w, q.i, q.j, q.k], translation_mm: pose.translation.vector.into() }
         });
         if let Some(transform) = &world_from_head {
-            finite("world_from_head", transform.rotation_wxyz.iter().chain(&transform.translation_mm))?;
+            finite(
+                &format!("frame {}, world_from_head", frame.frame),
+                transform.rotation_wxyz.iter().chain(&transform.translation_mm),
+            )?;
         }
-        finite("residual_mm", &frame.residual_mm)?;
+        finite(&format!("frame {}, residual_mm", frame.frame), &frame.residual_mm)?;
         let HeadPoseFrame { frame, residual_mm, markers_used, .. } = *frame;
         Ok(HeadPoseLine { frame, world_from_head, residual_mm, markers_used })
     }

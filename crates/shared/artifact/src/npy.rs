@@ -8,12 +8,16 @@ use std::path::Path;
 /// Writes an array of `shape` (rows, columns), given row after row.
 ///
 /// # Errors
-/// If the file cannot be written.
+/// If a value is not finite or the file cannot be written.
 ///
 /// # Panics
 /// If the number of values is not rows × columns.
 pub fn write_f32(path: &Path, shape: [usize; 2], values: &[f32]) -> Result<Staged> {
     assert_eq!(values.len(), shape[0] * shape[1], "an array has rows × columns values");
+    if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+        let place = format!("row {}, column {}", at / shape[1], at % shape[1]);
+        return Err(Error::new(path, "the value is not finite").at(place));
+    }
     let mut sink = Sink::create(path)?;
     let mut write = || {
         let options = npyz::WriteOptions::new().default_dtype().shape(&[shape[0] as u64, shape[1] as u64]);

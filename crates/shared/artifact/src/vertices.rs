@@ -54,6 +54,11 @@ impl Document for VertexMapping {
         {
             return Err(Violation::new("new_from_old", "the map's length is not the mesh's vertex count"));
         }
+        let kept = self.new_from_old.iter().flatten().count();
+        if kept != self.old_from_new.len() {
+            let what = format!("keeps {kept} vertices, but old_from_new has {}", self.old_from_new.len());
+            return Err(Violation::new("new_from_old", what));
+        }
         let inverse = |(new, &old): (usize, &u32)| self.new_from_old[old as usize] == Some(new as u32);
         match self.old_from_new.iter().enumerate().find(|&pair| !inverse(pair)) {
             Some((new, old)) => {

@@ -79,7 +79,12 @@ impl Document for Warp {
         crate::trajectories::check_ids(&self.markers)?;
         let count = self.face_from_mocap.centers.len();
         if self.markers.len() != count || self.vertices.len() != count {
-            return Err(Violation::new("markers", format!("{} ids for {count} centers", self.markers.len())));
+            let what = format!(
+                "{} ids and {} vertices for {count} centers",
+                self.markers.len(),
+                self.vertices.len()
+            );
+            return Err(Violation::new("markers", what));
         }
         let fit = &self.fit;
         finite(
