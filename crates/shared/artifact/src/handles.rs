@@ -79,7 +79,7 @@ impl Stream for Handles {
             let place = format!("marker {}", handle.marker);
             if handle.vertex as usize >= header.mesh.vertex_count {
                 let what =
-                    format!("vertex {} of a mesh that has {}", handle.vertex, header.mesh.vertex_count);
+                    format!("names vertex {} of a mesh that has {}", handle.vertex, header.mesh.vertex_count);
                 return Err(Violation::new(place, what));
             }
             if let Some(other) = taken.insert(handle.vertex, &handle.marker) {

@@ -98,7 +98,10 @@ impl Stream for HeadPose {
             let [w, i, j, k] = transform.rotation_wxyz;
             let quaternion = Quaternion::new(w, i, j, k);
             if (quaternion.norm() - 1.0).abs() > UNIT_TOLERANCE {
-                return Err(Violation::new(&place, format!("the rotation has length {}", quaternion.norm())));
+                return Err(Violation::new(
+                    &place,
+                    format!("the rotation's quaternion has length {}, not 1", quaternion.norm()),
+                ));
             }
             // Within tolerance the numbers stay as written, so that a file reads back exactly.
             let rotation = UnitQuaternion::new_unchecked(quaternion);

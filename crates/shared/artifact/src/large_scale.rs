@@ -34,7 +34,10 @@ impl Document for LargeScale {
         }
         self.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         match self.frames.windows(2).find(|pair| pair[0] >= pair[1]) {
-            Some(pair) => Err(Violation::new("frames", format!("frame {} follows {}", pair[1], pair[0]))),
+            Some(pair) => {
+                let what = format!("frame {} follows frame {}; they must rise", pair[1], pair[0]);
+                Err(Violation::new("frames", what))
+            }
             None => Ok(()),
         }
     }

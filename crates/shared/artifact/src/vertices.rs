@@ -75,7 +75,9 @@ fn check_rising(place: &str, vertices: &[u32], vertex_count: usize) -> Result<()
         return Err(Violation::new(place, format!("vertex {} follows {}; they must rise", pair[1], pair[0])));
     }
     match vertices.last().filter(|&&last| last as usize >= vertex_count) {
-        Some(last) => Err(Violation::new(place, format!("vertex {last} of a mesh that has {vertex_count}"))),
+        Some(last) => {
+            Err(Violation::new(place, format!("names vertex {last} of a mesh that has {vertex_count}")))
+        }
         None => Ok(()),
     }
 }
