@@ -14,10 +14,7 @@ use std::path::Path;
 /// If the number of values is not rows × columns.
 pub fn write_f32(path: &Path, shape: [usize; 2], values: &[f32]) -> Result<Staged> {
     assert_eq!(values.len(), shape[0] * shape[1], "an array has rows × columns values");
-    if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-        let place = format!("row {}, column {}", at / shape[1], at % shape[1]);
-        return Err(Error::new(path, "the value is not finite").at(place));
-    }
+    check_finite(path, shape[1], values)?;
     let mut sink = Sink::create(path)?;
     let mut write = || {
         let options = npyz::WriteOptions::new().default_dtype().shape(&[shape[0] as u64, shape[1] as u64]);
@@ -32,7 +29,8 @@ pub fn write_f32(path: &Path, shape: [usize; 2], values: &[f32]) -> Result<Stage
 /// Reads an array: its shape (rows, columns) and its values, row after row.
 ///
 /// # Errors
-/// If the file is no array of float32 in C order with two dimensions, or is cut short.
+/// If the file is no array of float32 in C order with two dimensions, is cut short, or holds a value that is not
+/// finite.
 pub fn read_f32(path: &Path) -> Result<([usize; 2], Vec<f32>)> {
     let refuse = |what: String| Error::new(path, what).fix("give a float32 array of two dimensions, C order");
     let file =
@@ -44,5 +42,17 @@ pub fn read_f32(path: &Path) -> Result<([usize; 2], Vec<f32>)> {
         return Err(refuse("is in Fortran order".to_string()));
     }
     let values = file.into_vec::<f32>().map_err(|cause| refuse(format!("cannot be read: {cause}")))?;
+    check_finite(path, columns as usize, &values)?;
     Ok(([rows as usize, columns as usize], values))
+}
+
+fn check_finite(path: &Path, columns: usize, values: &[f32]) -> Result<()> {
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(at) => Err(Error::new(path, "the value is not finite").at(format!(
+            "row {}, column {}",
+            at / columns,
+            at % columns
+        ))),
+        None => Ok(()),
+    }
 }
