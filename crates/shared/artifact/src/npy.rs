@@ -3,6 +3,7 @@
 use crate::source::open;
 use crate::{Error, Result, Sink, Staged};
 use npyz::WriterBuilder;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// Writes an array of `shape` (rows, columns), given row after row.
@@ -33,8 +34,10 @@ pub fn write_f32(path: &Path, shape: [usize; 2], values: &[f32]) -> Result<Stage
 /// finite.
 pub fn read_f32(path: &Path) -> Result<([usize; 2], Vec<f32>)> {
     let refuse = |what: String| Error::new(path, what).fix("give a float32 array of two dimensions, C order");
-    let file =
-        npyz::NpyFile::new(open(path)?).map_err(|cause| refuse(format!("is not a NumPy array: {cause}")))?;
+    let mut bytes = open(path)?;
+    let head = head(&mut bytes).map_err(|cause| refuse(format!("is not a NumPy array: {cause}")))?;
+    let file = npyz::NpyFile::new(head.chain(bytes))
+        .map_err(|cause| refuse(format!("is not a NumPy array: {cause}")))?;
     let &[rows, columns] = file.shape() else {
         return Err(refuse(format!("has {} dimensions", file.shape().len())));
     };
@@ -44,6 +47,39 @@ pub fn read_f32(path: &Path) -> Result<([usize; 2], Vec<f32>)> {
     let values = file.into_vec::<f32>().map_err(|cause| refuse(format!("cannot be read: {cause}")))?;
     check_finite(path, columns as usize, &values)?;
     Ok(([rows as usize, columns as usize], values))
+}
+
+/// Headers are a line of some 60 characters.
+const LONGEST_HEADER: usize = 4096;
+
+/// The head of the file, up to the values, when it is such that `npyz` cannot stumble: it multiplies the numbers of
+/// the shape without a look, and follows brackets to any depth.
+fn head(bytes: &mut impl Read) -> std::io::Result<Cursor<Vec<u8>>> {
+    let mut head = vec![0; 10];
+    bytes.read_exact(&mut head)?;
+    let mut length = usize::from(u16::from_le_bytes([head[8], head[9]]));
+    if head[6] > 1 {
+        let mut upper = [0; 2];
+        bytes.read_exact(&mut upper)?;
+        length += usize::from(u16::from_le_bytes(upper)) << 16;
+        head.extend(upper);
+    }
+    if length > LONGEST_HEADER {
+        return Err(std::io::Error::other(format!("its header has {length} bytes")));
+    }
+    let start = head.len();
+    head.resize(start + length, 0);
+    bytes.read_exact(&mut head[start..])?;
+    let text = String::from_utf8_lossy(&head[start..]);
+    let shape = text.split_once("shape").and_then(|(_, rest)| rest.split(')').next()).unwrap_or_default();
+    let numbers = shape.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
+    let count = numbers
+        .map(|digits| digits.parse::<u64>().ok())
+        .try_fold(1u64, |count, number| count.checked_mul(number?));
+    match count {
+        Some(_) => Ok(Cursor::new(head)),
+        None => Err(std::io::Error::other("its shape is larger than any memory")),
+    }
 }
 
 fn check_finite(path: &Path, columns: usize, values: &[f32]) -> Result<()> {

@@ -118,7 +118,7 @@ fn read_csv(path: &Path, text: &str, unit: Unit) -> Result<Vec<Line>> {
     let mut picks = Vec::new();
     for record in records.records() {
         let record = record.map_err(|error| Error::new(path, format!("is not CSV: {error}")))?;
-        let line = record.position().map_or(0, |position| position.line() as usize);
+        let line = line_of(text, &record);
         let refuse = |what: String| Error::new(path, what).at(format!("line {line}"));
         if record.iter().all(str::is_empty) {
             continue;
@@ -135,6 +135,15 @@ fn read_csv(path: &Path, text: &str, unit: Unit) -> Result<Vec<Line>> {
         }
     }
     Ok(picks)
+}
+
+/// The line that a record stands in; the parser's own count stops before empty lines.
+fn line_of(text: &str, record: &csv::StringRecord) -> usize {
+    let start = record.position().map_or(0, |position| position.byte() as usize);
+    let is_text = |byte: &u8| !matches!(byte, b'\r' | b'\n');
+    let before =
+        text.as_bytes()[start..].iter().position(is_text).map_or(text.len(), |skipped| start + skipped);
+    text.as_bytes()[..before].iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
 /// Which column holds what.

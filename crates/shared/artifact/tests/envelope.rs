@@ -1,4 +1,5 @@
 //! The envelope: schema first, places of errors, rising frames, finite numbers, exact floats.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::disallowed_methods, reason = "tests look at what is on the disk")]
 
 mod support;
@@ -256,7 +257,8 @@ fn writers_of_documents_refuse_numbers_that_are_not_finite() {
     assert_eq!(message, "a.json, marker a: NaN is not a finite number");
 
     let sound: Warp = read_document(&fixture("warp-1/warp.json")).unwrap();
-    let breaks: [(&str, fn(&mut Warp)); 6] = [
+    type Break = (&'static str, fn(&mut Warp));
+    let breaks: [Break; 6] = [
         ("face_from_mocap: NaN", |warp| warp.face_from_mocap.centers[0][1] = f64::NAN),
         ("mocap_from_face: inf", |warp| warp.mocap_from_face.weights[0][1] = f64::INFINITY),
         ("face_from_mocap: NaN", |warp| warp.face_from_mocap.scale_mm = f64::NAN),

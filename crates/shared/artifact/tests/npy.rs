@@ -1,4 +1,5 @@
 //! NumPy arrays, in and out.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::disallowed_methods, reason = "tests look at what is on the disk")]
 
 mod support;
@@ -57,10 +58,11 @@ fn other_arrays_are_refused() {
     let no_array = refusal(read_f32(&Place::new().file("a.npy", "hello")).map(|_| ()));
     says(&no_array, &["is not a NumPy array", fix]);
     // More values than memory could hold.
-    says(
-        &refused(&header.replace("(2, 1)", "(99999999999, 9999999)"), &[0; 8]),
-        &["a.npy: cannot be read: "],
-    );
+    let large = |shape| refused(&header.replace("(2, 1)", shape), &[0; 8]);
+    says(&large("(99999999999, 9999999)"), &["a.npy: cannot be read: "]);
+    says(&large("(4294967296, 4294967296)"), &["a.npy: is not a NumPy array: its shape is larger"]);
+    let deep = format!("{{'shape': {}", "(".repeat(60_000));
+    says(&refused(&deep, &[]), &["its header has 60011 bytes"]);
 }
 
 #[test]

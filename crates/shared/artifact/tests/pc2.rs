@@ -1,4 +1,5 @@
 //! PC2 vertex caches, in and out, interrupted and resumed.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::disallowed_methods, reason = "tests look at what is on the disk")]
 
 mod support;

@@ -1,4 +1,5 @@
 //! Schemas and frozen files: what was written once is read for ever.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::disallowed_methods, reason = "tests look at what is on the disk")]
 
 mod support;
