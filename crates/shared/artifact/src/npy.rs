@@ -75,7 +75,7 @@ fn head(bytes: &mut impl Read) -> std::io::Result<Cursor<Vec<u8>>> {
     let numbers = shape.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
     let count = numbers
         .map(|digits| digits.parse::<u64>().ok())
-        .try_fold(1u64, |count, number| count.checked_mul(number?));
+        .try_fold(1u64, |count, number| count.checked_mul(number?.max(1)));
     match count {
         Some(_) => Ok(Cursor::new(head)),
         None => Err(std::io::Error::other("its shape is larger than any memory")),
