@@ -4,7 +4,7 @@
 //! samples; the time code is the frame number. Everything is in the unit that the stage states as `metersPerUnit`.
 //! The file is written front to back: only six numbers per frame, its extent, wait for the end.
 
-use crate::{Axis, Error, Rate, Result, Sink, Staged, Unit, Violation, mesh_file};
+use crate::{Axis, Consent, Error, Rate, Result, Sink, Staged, Unit, Violation, mesh_file};
 use mesh::{Mesh, NO_UV};
 use std::fmt::{Display, Write as _};
 use std::io::Write;
@@ -29,12 +29,30 @@ impl Writer {
     /// # Errors
     /// If the mesh holds a number that is not finite, or the file cannot be written.
     pub fn create(path: &Path, mesh: &Mesh, unit: Unit, up: Axis, rate: Option<Rate>) -> Result<Self> {
+        Self::start(path, mesh, &head(unit, up, rate, None), unit, rate)
+    }
+
+    /// The same, with the consent of the take in the layer's data: it travels with the recording.
+    ///
+    /// # Errors
+    /// As [`Writer::create`].
+    pub fn create_with_consent(
+        path: &Path,
+        mesh: &Mesh,
+        unit: Unit,
+        up: Axis,
+        rate: Option<Rate>,
+        consent: &Consent,
+    ) -> Result<Self> {
+        Self::start(path, mesh, &head(unit, up, rate, Some(consent)), unit, rate)
+    }
+
+    fn start(path: &Path, mesh: &Mesh, head: &str, unit: Unit, rate: Option<Rate>) -> Result<Self> {
         mesh_file::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
         if let Some(rate) = rate {
             rate.check("rate").map_err(|violation| violation.in_file(path))?;
         }
         let mut sink = Sink::create_seekable(path)?;
-        let head = head(unit, up, rate);
         let mut write = || {
             sink.write_all(head.as_bytes())?;
             sink.write_all(range(0, 0).as_bytes())?;
@@ -98,7 +116,7 @@ impl Writer {
 }
 
 /// Metadata of the stage, up to where the range of frames stands.
-fn head(unit: Unit, up: Axis, rate: Option<Rate>) -> String {
+fn head(unit: Unit, up: Axis, rate: Option<Rate>, consent: Option<&Consent>) -> String {
     let meters = unit.in_mm() / 1000.0;
     let up = match up {
         Axis::Y => "Y",
@@ -107,9 +125,33 @@ fn head(unit: Unit, up: Axis, rate: Option<Rate>) -> String {
     let rate = rate
         .map(|rate| format!("    framesPerSecond = {0}\n    timeCodesPerSecond = {0}\n", rate.hz()))
         .unwrap_or_default();
+    let consent = consent.map(custom_data).unwrap_or_default();
     format!(
-        "#usda 1.0\n(\n    defaultPrim = \"face\"\n    metersPerUnit = {meters}\n    upAxis = \"{up}\"\n{rate}"
+        "#usda 1.0\n(\n{consent}    defaultPrim = \"face\"\n    metersPerUnit = {meters}\n    upAxis = \"{up}\"\n{rate}"
     )
+}
+
+fn custom_data(consent: &Consent) -> String {
+    let said = [("licence", Some(&consent.licence)), ("credit", consent.credit.as_ref())];
+    let mut data = "    customLayerData = {\n".to_string();
+    for (name, text) in said.into_iter().chain([("notes", consent.notes.as_ref())]) {
+        if let Some(text) = text {
+            let _ = writeln!(data, "        string {name} = \"{}\"", escaped(text));
+        }
+    }
+    data + "    }\n"
+}
+
+/// Text between quotation marks, on one line.
+fn escaped(text: &str) -> String {
+    let escape = |c: char| match c {
+        '"' => "\\\"".to_string(),
+        '\\' => "\\\\".to_string(),
+        '\n' => "\\n".to_string(),
+        c if c.is_control() => " ".to_string(),
+        c => c.to_string(),
+    };
+    text.chars().map(escape).collect()
 }
 
 /// The range of frames, always of the same length.

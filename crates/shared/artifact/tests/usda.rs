@@ -5,7 +5,7 @@
 mod support;
 
 use artifact::usda::Writer;
-use artifact::{Axis, Rate, Unit};
+use artifact::{Axis, Consent, Rate, Unit};
 use mesh::{Mesh, NO_UV};
 use nalgebra::Vector2;
 use std::path::Path;
@@ -136,6 +136,33 @@ fn what_makes_no_sequence_is_refused() {
     let message = refusal(Writer::create(Path::new("-"), &scan(), Unit::Mm, Axis::Y, None).map(|_| ()));
     says(&message, &["cannot be written to a pipe"]);
     assert!(place.names().is_empty());
+}
+
+fn consent() -> Consent {
+    Consent {
+        licence: "CC BY 4.0".to_string(),
+        credit: Some("© \"Face\" \\ Lab".to_string()),
+        notes: Some("two\nlines".to_string()),
+    }
+}
+
+#[test]
+fn consent_travels_with_the_file() {
+    let place = Place::new();
+    let path = place.path("face.usda");
+    let mut writer =
+        Writer::create_with_consent(&path, &scan(), Unit::Cm, Axis::Y, None, &consent()).unwrap();
+    writer.write(1, &frame(0.0)).unwrap();
+    writer.finish().unwrap().publish().unwrap();
+    let text = String::from_utf8(bytes(&path)).unwrap();
+    let data = "    customLayerData = {\n        string licence = \"CC BY 4.0\"\n        string credit = \"© \\\"Face\\\" \\\\ \
+        Lab\"\n        string notes = \"two\\nlines\"\n    }\n    defaultPrim";
+    says(&text, &[data, "startTimeCode = 1 ", "endTimeCode = 1 "]);
+    let Ok(python) = std::env::var("FURROW_USD_PYTHON") else { return };
+    let script = "import sys; from pxr import Sdf; d = Sdf.Layer.FindOrOpen(sys.argv[1]).customLayerData\n\
+        assert d == {'licence': 'CC BY 4.0', 'credit': '© \"Face\" \\\\ Lab', 'notes': 'two\\nlines'}, d";
+    let output = std::process::Command::new(python).arg("-c").arg(script).arg(&path).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// Asks USD itself. It needs Python with `usd-core`, named by `FURROW_USD_PYTHON`.
