@@ -40,7 +40,8 @@ impl Document for Correspondence {
             let place = format!("marker {}", pair.marker);
             finite(&place, &pair.position_mm)?;
             if pair.vertex as usize >= self.mesh.vertex_count {
-                let what = format!("vertex {} of a mesh that has {}", pair.vertex, self.mesh.vertex_count);
+                let what =
+                    format!("names vertex {} of a mesh that has {}", pair.vertex, self.mesh.vertex_count);
                 return Err(Violation::new(place, what));
             }
             if markers.insert(&pair.marker, ()).is_some() {

@@ -48,12 +48,12 @@ pub trait Stream: Kind {
     /// File form of a frame.
     ///
     /// # Errors
-    /// What the frame holds that a file may not.
+    /// What the frame holds that a file may not; the place starts with the frame.
     fn encode(header: &Self::Header, frame: &Self::Frame) -> std::result::Result<Self::Line, Violation>;
     /// Memory form of a frame.
     ///
     /// # Errors
-    /// What the line says that the header does not allow.
+    /// What the line says that the header does not allow; the place starts with the frame.
     fn decode(header: &Self::Header, line: Self::Line) -> std::result::Result<Self::Frame, Violation>;
     /// The frame's number.
     fn number(frame: &Self::Frame) -> i64;
@@ -65,7 +65,14 @@ struct Written<'a, T> {
     data: &'a T,
 }
 
+/// What is asked first, whatever else the text holds.
 #[derive(Deserialize)]
+struct SchemaOnly {
+    schema: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Opened<'a> {
     schema: String,
     #[serde(borrow)]
@@ -83,18 +90,27 @@ fn open_envelope<K: Kind, T: DeserializeOwned>(path: &Path, text: &str, first_li
     };
     let wanted = schema_name::<K>();
     let opened: Opened = serde_json::from_str(text).map_err(|error| {
+        // A newer version may look different, so its name counts before its form.
+        if let Some(refused) = serde_json::from_str(text)
+            .ok()
+            .and_then(|SchemaOnly { schema }| check_schema::<K>(path, &schema).err())
+        {
+            return refused;
+        }
         Error::new(path, format!("is not a {wanted} artifact: {}", without_position(&error)))
             .at(place(&error))
             .fix(format!("the file must start with {{\"schema\":\"{wanted}\",\"data\":…}}"))
     })?;
     check_schema::<K>(path, &opened.schema)?;
     serde_json::from_str(opened.data.get()).map_err(|error| {
-        // The data starts somewhere on its own line: report lines of the file, columns only when they are its own.
+        // The parser counts from where the data starts; the user counts from the start of the file.
         let offset = opened.data.get().as_ptr() as usize - text.as_ptr() as usize;
-        let before = text[..offset].matches('\n').count();
-        let line = first_line + before + error.line().max(1) - 1;
+        let before = &text[..offset];
+        let line = first_line + before.matches('\n').count() + error.line().max(1) - 1;
+        let indent = before.rsplit('\n').next().map_or(0, str::len);
+        let column = error.column() + if error.line() <= 1 { indent } else { 0 };
         Error::new(path, format!("does not follow {}: {}", opened.schema, without_position(&error)))
-            .at(format!("line {line}"))
+            .at(format!("line {line}, column {column}"))
     })
 }
 
@@ -119,7 +135,7 @@ fn check_schema<K: Kind>(path: &Path, found: &str) -> Result<()> {
 
 fn without_position(error: &serde_json::Error) -> String {
     let text = error.to_string();
-    text.split(" at line ").next().unwrap_or(&text).to_string()
+    text.rsplit_once(" at line ").map_or(text.as_str(), |(what, _)| what).to_string()
 }
 
 /// Reads a static artifact.
@@ -264,11 +280,10 @@ impl<S: Stream> FrameWriter<S> {
     /// If the frame holds what the kind does not allow, does not follow the last one, or cannot be written.
     pub fn write(&mut self, frame: &S::Frame) -> Result<()> {
         let number = S::number(frame);
-        let line = S::encode(&self.header, frame).map_err(|violation| {
-            Error::new(self.sink.path(), violation.what).at(format!("frame {number}, {}", violation.place))
-        })?;
+        let line = S::encode(&self.header, frame).map_err(|violation| violation.in_file(self.sink.path()))?;
         if let Some(last) = self.last_frame.filter(|&last| last >= number) {
-            return Err(Error::new(self.sink.path(), format!("frame {number} would follow frame {last}")));
+            let what = format!("would follow frame {last}; frame numbers must rise");
+            return Err(Error::new(self.sink.path(), what).at(format!("frame {number}")));
         }
         self.last_frame = Some(number);
         write_json_line(&mut self.sink, &line)

@@ -48,6 +48,9 @@ impl Error {
             std::io::ErrorKind::NotFound => {
                 error.fix("check the path; the stage that writes this file may not have run")
             }
+            std::io::ErrorKind::FileTooLarge | std::io::ErrorKind::QuotaExceeded => {
+                error.fix("a limit of the system or a quota is reached: raise it, or write elsewhere")
+            }
             std::io::ErrorKind::StorageFull => error.fix("the disk is full: free some space and run again"),
             std::io::ErrorKind::PermissionDenied => {
                 error.fix("check the permissions of the file and its folder")

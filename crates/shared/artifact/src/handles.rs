@@ -73,12 +73,13 @@ impl Stream for Handles {
 
     fn check(header: &HandlesHeader) -> Result<(), Violation> {
         check_ids(&header.handles.iter().map(|handle| handle.marker.clone()).collect::<Vec<_>>())?;
+        header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         let mut taken = HashMap::new();
         for handle in &header.handles {
             let place = format!("marker {}", handle.marker);
             if handle.vertex as usize >= header.mesh.vertex_count {
                 let what =
-                    format!("vertex {} of a mesh that has {}", handle.vertex, header.mesh.vertex_count);
+                    format!("names vertex {} of a mesh that has {}", handle.vertex, header.mesh.vertex_count);
                 return Err(Violation::new(place, what));
             }
             if let Some(other) = taken.insert(handle.vertex, &handle.marker) {

@@ -51,7 +51,7 @@ pub struct HeadPoseLine {
 /// A rigid transform.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Transform {
+pub(crate) struct Transform {
     /// Unit quaternion, scalar part first.
     rotation_wxyz: [f64; 4],
     translation_mm: [f64; 3],
@@ -71,6 +71,7 @@ impl Stream for HeadPose {
     type Line = HeadPoseLine;
 
     fn check(header: &HeadPoseHeader) -> Result<(), Violation> {
+        header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         crate::trajectories::check_ids(&header.markers)
     }
 
@@ -80,9 +81,12 @@ impl Stream for HeadPose {
             Transform { rotation_wxyz: [q.w, q.i, q.j, q.k], translation_mm: pose.translation.vector.into() }
         });
         if let Some(transform) = &world_from_head {
-            finite("world_from_head", transform.rotation_wxyz.iter().chain(&transform.translation_mm))?;
+            finite(
+                &format!("frame {}, world_from_head", frame.frame),
+                transform.rotation_wxyz.iter().chain(&transform.translation_mm),
+            )?;
         }
-        finite("residual_mm", &frame.residual_mm)?;
+        finite(&format!("frame {}, residual_mm", frame.frame), &frame.residual_mm)?;
         let HeadPoseFrame { frame, residual_mm, markers_used, .. } = *frame;
         Ok(HeadPoseLine { frame, world_from_head, residual_mm, markers_used })
     }
@@ -94,7 +98,10 @@ impl Stream for HeadPose {
             let [w, i, j, k] = transform.rotation_wxyz;
             let quaternion = Quaternion::new(w, i, j, k);
             if (quaternion.norm() - 1.0).abs() > UNIT_TOLERANCE {
-                return Err(Violation::new(&place, format!("the rotation has length {}", quaternion.norm())));
+                return Err(Violation::new(
+                    &place,
+                    format!("the rotation's quaternion has length {}, not 1", quaternion.norm()),
+                ));
             }
             // Within tolerance the numbers stay as written, so that a file reads back exactly.
             let rotation = UnitQuaternion::new_unchecked(quaternion);

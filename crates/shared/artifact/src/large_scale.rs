@@ -29,11 +29,15 @@ impl Kind for LargeScale {
 
 impl Document for LargeScale {
     fn check(&self) -> Result<(), Violation> {
-        if self.cache.contains(['/', '\\']) {
+        if self.cache.is_empty() || self.cache.contains(['/', '\\']) {
             return Err(Violation::new("cache", "must be a file name in the same folder"));
         }
+        self.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         match self.frames.windows(2).find(|pair| pair[0] >= pair[1]) {
-            Some(pair) => Err(Violation::new("frames", format!("frame {} follows {}", pair[1], pair[0]))),
+            Some(pair) => {
+                let what = format!("frame {} follows frame {}; they must rise", pair[1], pair[0]);
+                Err(Violation::new("frames", what))
+            }
             None => Ok(()),
         }
     }

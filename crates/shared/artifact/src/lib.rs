@@ -7,7 +7,8 @@
 //!   the schema (`kind/version`) comes first and is checked first.
 //! - *Outputs* are [`Staged`]: written under a temporary name, shown by [`Staged::publish`].
 //! - *Errors* name the file, the place in it, what is wrong and what to do.
-//! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`pc2`], [`c3d`], [`trc`], …) are converted where
+//! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`ply`], [`pc2`], [`c3d`], [`trc`],
+//!   [`usda`], …) are converted where
 //!   they are read and written.
 //!
 //! ```no_run
@@ -43,8 +44,11 @@ pub mod marker_csv;
 pub mod npy;
 pub mod obj;
 pub mod pc2;
+pub mod picks;
+pub mod ply;
 pub mod provenance;
 pub mod trc;
+pub mod usda;
 
 pub use correspondence::{Correspondence, Pair};
 pub use envelope::{

@@ -26,6 +26,7 @@ pub fn read(path: &Path, unit: Unit) -> Result<Mesh> {
 /// As [`read`].
 pub fn parse(path: &Path, text: &str, unit: Unit) -> Result<Mesh> {
     let mut reader = Reader { mesh: Mesh::default(), scale: unit.in_mm(), face_lines: Vec::new() };
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     for (number, line) in logical_lines(text) {
         reader.statement(&line, number).map_err(|what| {
             let error = Error::new(path, what).at(format!("line {number}"));
@@ -47,12 +48,12 @@ pub fn parse(path: &Path, text: &str, unit: Unit) -> Result<Mesh> {
     }
 }
 
-/// Lines with their numbers; a backslash at the end joins the next one.
+/// Lines with their numbers; a backslash at the end joins the next one, except after a comment (`# made in C:\`).
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
     let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
-        if !first.ends_with('\\') {
+        if !first.ends_with('\\') || first.trim_start().starts_with('#') {
             return Some((index + 1, first.into()));
         }
         let mut joined = first.to_string();
@@ -111,7 +112,12 @@ impl Reader {
         } else if !self.mesh.colors.is_empty() {
             self.mesh.colors.push([0.0; 3]);
         }
-        self.mesh.positions.push(Point3::new(numbers[0], numbers[1], numbers[2]) * self.scale);
+        let point = Point3::new(numbers[0], numbers[1], numbers[2]) * self.scale;
+        let color = self.mesh.colors.last().into_iter().flatten().map(|&x| f64::from(x));
+        if point.iter().copied().chain(color).any(|x| !x.is_finite()) {
+            return Err("a number is too large".to_string());
+        }
+        self.mesh.positions.push(point);
         Ok(())
     }
 
@@ -195,11 +201,9 @@ fn index(word: &str, count: usize) -> std::result::Result<u32, String> {
 /// to the same value.
 ///
 /// # Errors
-/// If a position is not finite or the file cannot be written.
+/// If a number is not finite or the file cannot be written.
 pub fn write(path: &Path, mesh: &Mesh, unit: Unit) -> Result<Staged> {
-    if let Some(vertex) = mesh.positions.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
-        return Err(Error::new(path, "the position is not finite").at(format!("vertex {vertex}")));
-    }
+    crate::mesh_file::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
     let mut sink = Sink::create(path)?;
     write_text(&mut sink, mesh, unit).map_err(|cause| Error::io(path, "write", &cause))?;
     sink.finish()

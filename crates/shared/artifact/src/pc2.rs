@@ -26,7 +26,7 @@ impl Writer {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(path: &Path, vertex_count: usize, start_frame: i64) -> Result<Self> {
-        let mut sink = Sink::create(path)?;
+        let mut sink = Sink::create_seekable(path)?;
         sink.write_all(&header(vertex_count, start_frame))
             .map_err(|cause| Error::io(path, "write", &cause))?;
         Ok(Self { sink, vertex_count, sample_count: 0 })
@@ -64,10 +64,7 @@ impl Writer {
     /// If the count is not three per vertex: that is a bug of the caller.
     pub fn write(&mut self, coordinates: &[f32]) -> Result<()> {
         assert_eq!(coordinates.len(), self.vertex_count * 3, "a sample has three coordinates per vertex");
-        if let Some(at) = coordinates.iter().position(|x| !x.is_finite()) {
-            let place = format!("sample {}, vertex {}", self.sample_count, at / 3);
-            return Err(Error::new(self.sink.path(), "the position is not finite").at(place));
-        }
+        check_finite(self.sink.path(), self.sample_count, coordinates)?;
         let mut bytes = Vec::with_capacity(3 * 4 * 4096);
         for block in coordinates.chunks(3 * 4096) {
             bytes.clear();
@@ -96,6 +93,16 @@ fn header(vertex_count: usize, start_frame: i64) -> Vec<u8> {
     bytes.extend_from_slice(&1f32.to_le_bytes());
     bytes.extend_from_slice(&0u32.to_le_bytes());
     bytes
+}
+
+fn check_finite(path: &Path, sample: u32, coordinates: &[f32]) -> Result<()> {
+    match coordinates.iter().position(|x| !x.is_finite()) {
+        Some(at) => {
+            Err(Error::new(path, "the position is not finite")
+                .at(format!("sample {sample}, vertex {}", at / 3)))
+        }
+        None => Ok(()),
+    }
 }
 
 fn sample_bytes(vertex_count: usize) -> u64 {
@@ -136,9 +143,11 @@ impl Reader {
                 Error::new(path, format!("is PC2 version {version} with {vertices} vertices")).at("byte 12")
             );
         }
-        let expected = HEADER_BYTES + u64::from(sample_count) * sample_bytes(vertices as usize);
+        // Any counts may stand in a file: their product need not fit 64 bits.
+        let expected =
+            u128::from(HEADER_BYTES) + u128::from(sample_count) * u128::from(sample_bytes(vertices as usize));
         let size = std::fs::metadata(path).map_err(|cause| Error::io(path, "read", &cause))?.len();
-        if size != expected {
+        if u128::from(size) != expected {
             let what = format!(
                 "says {sample_count} samples of {vertices} vertices, {expected} bytes, but has {size}"
             );
@@ -190,7 +199,7 @@ impl Reader {
     /// The next sample, #V × 3 coordinates, or `None` after the last.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If it cannot be read, or a coordinate is not finite.
     pub fn read(&mut self) -> Result<Option<Vec<f32>>> {
         if self.next == self.sample_count {
             return Ok(None);
@@ -199,8 +208,11 @@ impl Reader {
         self.bytes
             .read_exact(&mut bytes)
             .map_err(|cause| Error::io(&self.path, "read", &cause).at(format!("sample {}", self.next)))?;
+        let coordinates: Vec<f32> =
+            bytes.chunks_exact(4).map(|x| f32::from_le_bytes([x[0], x[1], x[2], x[3]])).collect();
+        check_finite(&self.path, self.next, &coordinates)?;
         self.next += 1;
-        Ok(Some(bytes.chunks_exact(4).map(|x| f32::from_le_bytes([x[0], x[1], x[2], x[3]])).collect()))
+        Ok(Some(coordinates))
     }
 
     /// Passes over samples without decoding them.

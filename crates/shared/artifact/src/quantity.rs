@@ -1,5 +1,6 @@
 //! Units, rates, frame ranges, and references to other files.
 
+use crate::Violation;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -73,6 +74,20 @@ impl Rate {
     #[must_use]
     pub fn hz(self) -> f64 {
         f64::from(self.frames) / f64::from(self.seconds)
+    }
+
+    /// Refuses a rate that is not positive, naming the place.
+    ///
+    /// # Errors
+    /// A [`Violation`] at `place`.
+    pub fn check(self, place: &str) -> Result<(), Violation> {
+        match self.frames > 0 && self.seconds > 0 {
+            true => Ok(()),
+            false => {
+                let what = format!("{} frames in {} seconds is no rate", self.frames, self.seconds);
+                Err(Violation::new(place, what))
+            }
+        }
     }
 
     /// The fraction closest to a rate that a file gives as a decimal number: whole, or over 1001, or over 1000.

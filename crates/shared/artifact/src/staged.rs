@@ -63,6 +63,13 @@ impl Drop for Temporary {
     }
 }
 
+fn refuse_pipe(path: &Path) -> Result<()> {
+    match is_standard_stream(path) {
+        true => Err(Error::new(path, "this format cannot be written to a pipe").fix("name a file")),
+        false => Ok(()),
+    }
+}
+
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_os_string();
     name.push(suffix);
@@ -94,6 +101,15 @@ impl Sink {
         Ok(Self { path: path.to_path_buf(), out: Out::File { writer, temporary } })
     }
 
+    /// Starts an output that is patched at its end, which a pipe cannot be.
+    ///
+    /// # Errors
+    /// As [`Sink::create`], and on standard output.
+    pub fn create_seekable(path: &Path) -> Result<Self> {
+        refuse_pipe(path)?;
+        Self::create(path)
+    }
+
     /// Starts an output that outlives an interrupted run as `<name>.partial`: a name that says it is not complete. With
     /// `resume`, continues the one that a run with the same `key` left, and says how many bytes are there: none, or a
     /// head and whole blocks.
@@ -102,6 +118,7 @@ impl Sink {
     /// If the file cannot be read or written.
     #[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
     pub fn resumable(path: &Path, key: &str, resume: bool, head: u64, block: u64) -> Result<(Self, u64)> {
+        refuse_pipe(path)?;
         let fail = |cause: std::io::Error| Error::io(path, "write", &cause);
         let partial = with_suffix(path, ".partial");
         let key_path = with_suffix(path, ".partial.key");
@@ -140,7 +157,7 @@ impl Sink {
     pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> Result<()> {
         let path = self.path.clone();
         let Out::File { writer, .. } = &mut self.out else {
-            return Err(Error::new(&path, "this format cannot be written to a pipe").fix("name a file"));
+            return refuse_pipe(&path);
         };
         let mut patch = || {
             writer.flush()?;

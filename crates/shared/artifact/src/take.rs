@@ -117,10 +117,10 @@ impl Kind for Take {
 
 impl Document for Take {
     fn check(&self) -> Result<(), Violation> {
-        check_rate("rate", self.rate)?;
+        self.rate.check("rate")?;
         let mut ids = HashMap::new();
         for camera in &self.cameras {
-            check_rate(&format!("camera {}", camera.id), camera.rate)?;
+            camera.rate.check(&format!("camera {}", camera.id))?;
             if ids.insert(&camera.id, ()).is_some() {
                 return Err(Violation::new("cameras", format!("the id {} stands twice", camera.id)));
             }
@@ -129,13 +129,6 @@ impl Document for Take {
             Some(false) => Err(Violation::new("start_timecode", "is not HH:MM:SS:FF or HH:MM:SS;FF")),
             _ => Ok(()),
         }
-    }
-}
-
-fn check_rate(place: &str, rate: Rate) -> Result<(), Violation> {
-    match rate.frames > 0 && rate.seconds > 0 {
-        true => Ok(()),
-        false => Err(Violation::new(place, "the rate is not positive")),
     }
 }
 

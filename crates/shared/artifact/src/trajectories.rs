@@ -113,6 +113,7 @@ fn check_header(header: &MarkerHeader) -> std::result::Result<(), Violation> {
     if header.unit != Unit::Mm {
         return Err(Violation::new("unit", format!("is {}; this kind is always in mm", header.unit)));
     }
+    header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
     check_ids(&header.markers)
 }
 
@@ -136,7 +137,7 @@ fn encode(header: &MarkerHeader, frame: &MarkerFrame) -> std::result::Result<Mar
     for (i, marker) in header.markers.iter().enumerate() {
         let point = frame.points[i].map(|point| [point.x, point.y, point.z]);
         if let Some(point) = &point {
-            finite(&format!("marker {marker}"), point)?;
+            finite(&format!("frame {}, marker {marker}", frame.frame), point)?;
         }
         points.insert(marker.clone(), point);
         if frame.status[i] != SampleStatus::Measured && point.is_some() {

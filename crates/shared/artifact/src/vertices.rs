@@ -54,6 +54,11 @@ impl Document for VertexMapping {
         {
             return Err(Violation::new("new_from_old", "the map's length is not the mesh's vertex count"));
         }
+        let kept = self.new_from_old.iter().flatten().count();
+        if kept != self.old_from_new.len() {
+            let what = format!("keeps {kept} vertices, but old_from_new has {}", self.old_from_new.len());
+            return Err(Violation::new("new_from_old", what));
+        }
         let inverse = |(new, &old): (usize, &u32)| self.new_from_old[old as usize] == Some(new as u32);
         match self.old_from_new.iter().enumerate().find(|&pair| !inverse(pair)) {
             Some((new, old)) => {
@@ -70,7 +75,9 @@ fn check_rising(place: &str, vertices: &[u32], vertex_count: usize) -> Result<()
         return Err(Violation::new(place, format!("vertex {} follows {}; they must rise", pair[1], pair[0])));
     }
     match vertices.last().filter(|&&last| last as usize >= vertex_count) {
-        Some(last) => Err(Violation::new(place, format!("vertex {last} of a mesh that has {vertex_count}"))),
+        Some(last) => {
+            Err(Violation::new(place, format!("names vertex {last} of a mesh that has {vertex_count}")))
+        }
         None => Ok(()),
     }
 }

@@ -79,14 +79,20 @@ impl Document for Warp {
         crate::trajectories::check_ids(&self.markers)?;
         let count = self.face_from_mocap.centers.len();
         if self.markers.len() != count || self.vertices.len() != count {
-            return Err(Violation::new("markers", format!("{} ids for {count} centers", self.markers.len())));
+            let what = format!(
+                "{} ids and {} vertices for {count} centers",
+                self.markers.len(),
+                self.vertices.len()
+            );
+            return Err(Violation::new("markers", what));
         }
         let fit = &self.fit;
         finite(
             "fit",
             [&fit.condition, &fit.similarity_rms_mm, &fit.similarity_scale, &fit.smallest_determinant],
         )?;
-        finite("fit", fit.similarity_residual_mm.values().chain(fit.leave_one_out_mm.values()))
+        let per_marker = fit.similarity_residual_mm.iter().chain(&fit.leave_one_out_mm);
+        per_marker.into_iter().try_for_each(|(marker, x)| finite(&format!("fit, marker {marker}"), [x]))
     }
 }
 
@@ -98,8 +104,12 @@ fn check_interpolant(place: &str, interpolant: &Interpolant) -> Result<(), Viola
         return Err(Violation::new(place, format!("scale_mm is {scale_mm}; it must be positive")));
     }
     if centers.len() != weights.len() || ![1, 4, 10].contains(&polynomial.len()) {
-        let what =
-            format!("{} centers, {} weights, {} terms", centers.len(), weights.len(), polynomial.len());
+        let what = format!(
+            "has {} centers, {} weights and {} polynomial terms",
+            centers.len(),
+            weights.len(),
+            polynomial.len()
+        );
         return Err(Violation::new(place, what));
     }
     Ok(())

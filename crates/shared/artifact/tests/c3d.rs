@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+mod marker_support;
 
 use artifact::c3d::{self, C3d, Storage};
 use artifact::{Error, Rate, Trajectories, Trajectories3d, Unit};
+use marker_support::{any_trajectories, data, small, trajectories, without_gaps, written};
 use proptest::prelude::*;
 use std::path::Path;
-use support::{any_trajectories, data, small, trajectories, without_gaps, written};
 
 fn bytes_of(trajectories: &Trajectories) -> Vec<u8> {
     written("take.c3d", |path| c3d::write(path, trajectories)).unwrap()

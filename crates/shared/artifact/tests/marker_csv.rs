@@ -2,13 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+mod marker_support;
 
 use artifact::{Error, Rate, Trajectories, Trajectories3d, Unit, marker_csv};
+use marker_support::{data, small, trajectories};
 use proptest::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
-use support::{data, small, trajectories};
 
 fn parse(text: &str) -> Result<(Trajectories, Vec<String>), Error> {
     marker_csv::parse(Path::new("take.csv"), text.as_bytes(), Some(Unit::Mm))

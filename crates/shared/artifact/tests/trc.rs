@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
 
-mod support;
+mod marker_support;
 
 use artifact::{Error, Rate, Trajectories, Trajectories3d, Unit, trc};
+use marker_support::{any_trajectories, small, trajectories, written};
 use proptest::prelude::*;
 use std::path::Path;
-use support::{any_trajectories, small, trajectories, written};
 
 fn text_of(trajectories: &Trajectories) -> String {
     String::from_utf8(written("take.trc", |path| trc::write(path, trajectories)).unwrap()).unwrap()

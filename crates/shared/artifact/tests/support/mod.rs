@@ -1,102 +1,75 @@
-//! What the tests of marker formats share.
-#![allow(dead_code, reason = "each test binary uses some of it")]
-#![allow(clippy::expect_used, clippy::print_stdout, reason = "tests")]
+//! What the tests of this crate share.
+#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "tests look at what is on the disk")]
 
-use artifact::{MarkerFrame, MarkerHeader, Rate, Result, SampleStatus, Staged, Trajectories, Unit};
-use nalgebra::Point3;
-use proptest::prelude::*;
+use artifact::{FileRef, MeshRef, Unit};
 use std::path::{Path, PathBuf};
 
-/// A file of the shared data, or `None` (said by name) where there is none.
-#[allow(clippy::disallowed_methods, reason = "tests find their data by the environment")]
-pub(crate) fn data(name: &str) -> Option<PathBuf> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let folder =
-        std::env::var("FURROW_DATA").map_or_else(|_| root.join("../shared/data"), |data| root.join(data));
-    let path = folder.join(name);
-    if !path.exists() {
-        println!("skipped: {} absent", folder.display());
-        return None;
+/// A file of the repository, from its root.
+pub(crate) fn in_repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..").join(path)
+}
+
+/// A frozen file.
+pub(crate) fn fixture(path: &str) -> PathBuf {
+    in_repository("fixtures/schema").join(path)
+}
+
+pub(crate) fn file_ref() -> FileRef {
+    FileRef { name: "scan.obj".to_string(), sha256: artifact::sha256_of(b"scan") }
+}
+
+pub(crate) fn mesh_ref(vertex_count: usize) -> MeshRef {
+    MeshRef { file: file_ref(), unit: Unit::Mm, vertex_count }
+}
+
+/// A folder of its own for each test, and a file in it.
+pub(crate) struct Place(tempfile::TempDir);
+
+impl Place {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
     }
-    Some(path)
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// A file with these bytes.
+    pub(crate) fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    /// The names of all files, sorted.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.0.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
 }
 
-/// The bytes that a writer makes.
-pub(crate) fn written(name: &str, write: impl Fn(&Path) -> Result<Staged>) -> Result<Vec<u8>> {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join(name);
-    write(&path)?.publish()?;
-    artifact::read_bytes(&path)
+pub(crate) fn bytes(path: &Path) -> Vec<u8> {
+    std::fs::read(path).unwrap()
 }
 
-pub(crate) fn trajectories(
-    rate: Rate,
-    markers: &[&str],
-    frames: &[(i64, &[Option<[f64; 3]>])],
-) -> Trajectories {
-    let markers: Vec<String> = markers.iter().map(ToString::to_string).collect();
-    let frames = frames.iter().map(|(frame, points)| MarkerFrame {
-        frame: *frame,
-        points: points.iter().map(|point| point.map(Point3::from)).collect(),
-        status: vec![SampleStatus::Measured; points.len()],
-    });
-    let frames = frames.collect();
-    Trajectories { header: MarkerHeader { unit: Unit::Mm, rate: Some(rate), markers, take: None }, frames }
+/// The message of an error, without the folder.
+#[track_caller]
+pub(crate) fn refusal<T>(result: artifact::Result<T>) -> String {
+    let Err(mut error) = result else { panic!("this had to be refused") };
+    error.path = artifact::file_name(&error.path).into();
+    error.to_string()
 }
 
-/// Two markers in three frames from 1001 on, one sample missing.
-pub(crate) fn small() -> Trajectories {
-    let (a, b) = ([1.5, -2.25, 300.0], [-40.125, 5.0, 0.5]);
-    trajectories(
-        Rate::per_second(120),
-        &["brow_l", "brow_r"],
-        &[(1001, &[Some(a), Some(b)]), (1002, &[Some(b), None]), (1003, &[Some(b), Some(a)])],
-    )
-}
-
-/// Any markers, rates, gaps in samples and in frame numbers; coordinates that 32-bit floats hold.
-pub(crate) fn any_trajectories() -> impl Strategy<Value = Trajectories> {
-    let rates = prop_oneof![
-        (1u32..2000).prop_map(Rate::per_second),
-        (1u32..16).prop_map(|tens| Rate { frames: tens * 30_000, seconds: 1001 })
-    ];
-    let point = prop::option::weighted(0.8, prop::array::uniform3(-3000f32..3000f32));
-    (1usize..8, 1usize..12, rates, 0i64..100_000).prop_flat_map(move |(markers, frames, rate, first)| {
-        let points = prop::collection::vec(prop::collection::vec(point.clone(), markers), frames);
-        let steps = prop::collection::vec(1i64..4, frames);
-        let labels = prop::collection::hash_set("[A-Za-z_][A-Za-z0-9_:.-]{0,14}|[äöü]{1,3}", markers);
-        (points, steps, labels).prop_map(move |(points, steps, labels)| {
-            let mut labels: Vec<String> = labels.into_iter().collect();
-            labels.sort();
-            let mut number = first;
-            let frames = points.into_iter().zip(steps).map(|(points, step)| {
-                number += step;
-                let points = points.into_iter().map(|point| point.map(|p| Point3::from(p.map(f64::from))));
-                let points: Vec<_> = points.collect();
-                let status = vec![SampleStatus::Measured; points.len()];
-                MarkerFrame { frame: number, points, status }
-            });
-            let frames = frames.collect();
-            let header = MarkerHeader { unit: Unit::Mm, rate: Some(rate), markers: labels, take: None };
-            Trajectories { header, frames }
-        })
-    })
-}
-
-/// The same with frames for all numbers in between, all samples missing: what C3D makes of gaps.
-pub(crate) fn without_gaps(mut trajectories: Trajectories) -> Trajectories {
-    let markers = trajectories.header.markers.len();
-    let (first, last) =
-        (trajectories.frames[0].frame, trajectories.frames[trajectories.frames.len() - 1].frame);
-    let mut frames = std::mem::take(&mut trajectories.frames).into_iter().peekable();
-    trajectories.frames = (first..=last)
-        .map(|number| {
-            frames.next_if(|frame| frame.frame == number).unwrap_or_else(|| MarkerFrame {
-                frame: number,
-                points: vec![None; markers],
-                status: vec![SampleStatus::Measured; markers],
-            })
-        })
-        .collect();
-    trajectories
+/// That a message holds all these parts.
+#[track_caller]
+pub(crate) fn says(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "'{part}' is missing in: {message}");
+    }
 }

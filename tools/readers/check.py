@@ -1,0 +1,126 @@
+"""Runs every reader over the frozen files of the repository. Needs NumPy only: `python3 tools/readers/check.py`."""
+import contextlib
+import io
+import os
+import pathlib
+import runpy
+import sys
+import tempfile
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+FIXTURES = ROOT / "fixtures" / "schema"
+sys.path.insert(0, str(HERE))
+sys.dont_write_bytecode = True
+
+TRC = ("PathFileType\t4\t(X/Y/Z)\tsmile.trc\n"
+       "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n"
+       "100\t100\t2\t2\tmm\t100\t7\t2\n"
+       "Frame#\tTime\tbrow_l\t\t\tlip_r\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"
+       "7\t0.06\t1\t2\t3\t\t\t\n8\t0.07\t1.5\t2\t3\t-4\t5\t6.25\n")
+
+
+def close(found, wanted):
+    assert np.allclose(found, wanted, rtol=1e-12, atol=1e-12, equal_nan=True), f"{found} is not {wanted}"
+
+
+def check_static():
+    import correspondence, provenance, take, vertex_map, vertex_set, warp
+    manifest = take.read(FIXTURES / "take-1/take.json")
+    close(manifest["hz"], 30000 / 1001)
+    mesh, markers, vertices, positions = correspondence.read(FIXTURES / "correspondence-1/correspondence.json")
+    assert markers == ["brow_l", "lip_r", "nose", "temple"] and mesh["vertex_count"] == 5
+    close(positions[3], [0, 10, -0.25])
+    fitted = warp.read(FIXTURES / "warp-1/warp.json")["face_from_mocap"]
+    # At the origin all four centers lie sqrt(0.5) away, but for their heights; far out the affine part is 1.
+    distances = np.linalg.norm(np.array(fitted["centers"]), axis=1) ** 3
+    close(warp.apply(fitted, [[5.0, 5.0, 0.0]])[0], distances @ np.array(fitted["weights"]) + [5, 5, 0])
+    weightless = {**fitted, "weights": np.zeros((4, 3))}
+    close(warp.apply(weightless, [[1.0, 2.0, 3.0], [-4.0, 5.0, -6.0]]), [[1, 2, 3], [-4, 5, -6]])
+    assert vertex_set.read(FIXTURES / "vertex-set-1/vertex-set.json")[2].tolist() == [1, 2, 4]
+    _, _, new_from_old, old_from_new = vertex_map.read(FIXTURES / "vertex-map-1/vertex-map.json")
+    assert new_from_old.tolist() == [-1, 0, 1, -1, 2] and old_from_new.tolist() == [1, 2, 4]
+    record = provenance.read(FIXTURES / "provenance-1/handles.jsonl.prov.json")
+    assert provenance.made_from(record, FIXTURES / "warp-1/warp.json") == "warp"
+    assert provenance.made_from(record, FIXTURES / "obj/mesh.obj") is None
+
+
+def check_frames():
+    import handles, head_pose, trajectories_3d
+    for kind in ("trajectories-3d", "head-trajectories"):
+        header, frames, points, status = trajectories_3d.read(FIXTURES / f"{kind}-1/{kind}.jsonl")
+        assert header["markers"] == ["brow_l", "lip_r", "nose"] and frames.tolist() == [1001, 1002, 1004]
+        assert points.shape == (3, 3, 3) and np.isnan(points[1, 0]).all() and points[1, 2, 2] == 0.1 + 0.2
+        assert status[1].tolist() == ["measured", "single-camera", "interpolated"]
+    header, frames, poses, residuals = head_pose.read(FIXTURES / "head-pose-1/head-pose.jsonl")
+    close(poses[0], np.eye(4))
+    close(poses[1] @ [0, 0, 1, 1], [1.96, -2.0, 0.78, 1])
+    assert np.isnan(poses[2]).all() and np.isnan(residuals[2]) and residuals[1] == 0.0625
+    header, frames, moves, weights = handles.read(FIXTURES / "handles-1/handles.jsonl")
+    close(moves[1], [[0, 0.5, -0.125], [np.nan] * 3])
+    close(weights, [[np.inf, np.inf], [2.5, np.inf], [np.inf, np.inf]])
+
+
+def check_meshes():
+    import large_scale, obj, pc2, ply, response_basis
+    positions, uvs, faces, face_uvs = obj.read(FIXTURES / "obj/mesh.obj")
+    assert faces == [[0, 1, 2, 3], [1, 4, 2]] and face_uvs == [[0, 1, 2, 3], [1, 4, 2]]
+    close(uvs[4], [1.5, 0.5])
+    vertices, ply_faces = ply.read(FIXTURES / "ply/mesh.ply")
+    close(np.stack([vertices["x"], vertices["y"], vertices["z"]], axis=1), positions)
+    close([vertices["s"], vertices["t"]], uvs.T)
+    assert [face["vertex_indices"].tolist() for face in ply_faces] == faces
+    _, frames, sequence = large_scale.read(FIXTURES / "large-scale-1/large-scale.json")
+    start, samples = pc2.read(FIXTURES / "large-scale-1/sequence.pc2")
+    assert start == 1001 and frames.tolist() == [1001, 1002, 1004] and np.array_equal(samples, sequence)
+    close(sequence[0], positions)
+    close(sequence[:, 4, 2], [1, 1.5, 2])
+    _, basis, schur = response_basis.read(FIXTURES / "response-basis-1/response-basis.json")
+    close(basis[2], [0.25, 0.5])
+    close(schur, [[2, -0.5], [-0.5, 1.5]])
+
+
+def check_formats_of_others():
+    import c3d, trc
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "smile.trc"
+        path.write_text(TRC, encoding="utf-8")
+        labels, unit, rate, frames, points = trc.read(path)
+    assert (labels, unit, rate, frames.tolist()) == (["brow_l", "lip_r"], "mm", 100, [7, 8])
+    close(points, [[[1, 2, 3], [np.nan] * 3], [[1.5, 2, 3], [-4, 5, 6.25]]])
+    data = pathlib.Path(os.environ.get("FURROW_DATA", ROOT.parent / "shared" / "data")) / "c3d"
+    if not data.is_dir():
+        print(f"skipped: {data} absent")
+        return
+    # The same recording, once as reals and once as scaled integers.
+    real, whole = (c3d.read(data / name) for name in ("Eb015pr.c3d", "Eb015pi.c3d"))
+    assert real[0] == whole[0] and real[1:3] == ("mm", 50.0) and real[4].shape == (450, 26, 3)
+    assert real[0][0] == "RFT1" and np.nanmax(np.abs(real[4] - whole[4])) < 0.1
+
+
+def check_commands():
+    inputs = {"take": "take-1/take.json", "trajectories_3d": "trajectories-3d-1/trajectories-3d.jsonl",
+              "head_pose": "head-pose-1/head-pose.jsonl", "correspondence": "correspondence-1/correspondence.json",
+              "warp": "warp-1/warp.json", "handles": "handles-1/handles.jsonl",
+              "vertex_set": "vertex-set-1/vertex-set.json", "vertex_map": "vertex-map-1/vertex-map.json",
+              "response_basis": "response-basis-1/response-basis.json", "obj": "obj/mesh.obj", "ply": "ply/mesh.ply",
+              "large_scale": "large-scale-1/large-scale.json", "pc2": "large-scale-1/sequence.pc2",
+              "provenance": "provenance-1/handles.jsonl.prov.json"}
+    readers = {path.stem for path in HERE.glob("*.py")} - {"check"}
+    assert readers == set(inputs) | {"c3d", "trc"}, readers ^ set(inputs)
+    for reader in sorted(readers):
+        lines = (HERE / f"{reader}.py").read_text(encoding="utf-8").splitlines()
+        assert len(lines) <= 50, f"{reader}.py has {len(lines)} lines"
+    for reader, fixture in inputs.items():
+        sys.argv, said = [f"{reader}.py", str(FIXTURES / fixture)], io.StringIO()
+        with contextlib.redirect_stdout(said):
+            runpy.run_path(str(HERE / f"{reader}.py"), run_name="__main__")
+        assert said.getvalue().strip(), f"{reader}.py says nothing"
+
+
+if __name__ == "__main__":
+    for check in (check_static, check_frames, check_meshes, check_formats_of_others, check_commands):
+        check()
+        print(f"ok: {check.__name__.replace('_', ' ')}")
