@@ -58,7 +58,7 @@ impl Default for Look {
             backdrop: Backdrop::Light,
             occlusion: 0.85,
             wireframe: false,
-            map: ColorMap::Viridis,
+            map: ColorMap::Ember,
             range: ValueRange { low: 0.0, high: 1.0 },
         }
     }

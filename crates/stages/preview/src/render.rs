@@ -152,7 +152,8 @@ impl<'a> Painter<'a> {
         }
         let toward_camera = -point.normalize();
         let normal = normal.try_normalize(1e-6).unwrap_or(toward_camera);
-        let albedo = self.albedo(corners, share);
+        // Values colour the outside only: what shows through a hole is not part of the picture's statement.
+        let albedo = if grid.is_front { self.albedo(corners, share) } else { CLAY };
         let coloured = !self.projected.surface.values.is_empty();
         let mut light = shade(normal, toward_camera, albedo, grid.is_front, coloured);
         if self.look.wireframe && self.is_line(triangle, grid, edges) {

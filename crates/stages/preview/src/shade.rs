@@ -14,20 +14,20 @@ struct Light {
     wrap: f32,
 }
 
-const KEY: Light = Light { toward: [-0.52, -0.62, -0.59], color: [0.92, 0.87, 0.80], wrap: 0.18 };
-const FILL: Light = Light { toward: [0.80, -0.05, -0.60], color: [0.15, 0.175, 0.21], wrap: 0.45 };
+const KEY: Light = Light { toward: [-0.52, -0.62, -0.59], color: [0.98, 0.92, 0.84], wrap: 0.14 };
+const FILL: Light = Light { toward: [0.80, -0.05, -0.60], color: [0.12, 0.145, 0.18], wrap: 0.40 };
 const RIM: Light = Light { toward: [0.62, -0.45, 0.64], color: [0.36, 0.38, 0.42], wrap: 0.0 };
 /// Light of the dome from above and from below.
-const SKY: [f32; 3] = [0.215, 0.225, 0.245];
+const SKY: [f32; 3] = [0.20, 0.21, 0.235];
 const GROUND: [f32; 3] = [0.105, 0.098, 0.092];
 /// Strength and sharpness of the key's gloss.
 const GLOSS: f32 = 0.075;
 const GLOSS_POWER: f32 = 26.0;
 /// Colour of the bare surface, linear light.
-pub(crate) const CLAY: [f32; 3] = [0.66, 0.615, 0.57];
+pub(crate) const CLAY: [f32; 3] = [0.60, 0.555, 0.51];
 /// What is left of the light on the inside of the surface, per colour: dark and a little warm, so that holes read as
 /// holes.
-const INSIDE: [f32; 3] = [0.20, 0.135, 0.115];
+const INSIDE: [f32; 3] = [0.11, 0.078, 0.068];
 /// Above this, light is bent towards white instead of being cut off.
 const SHOULDER: f32 = 0.78;
 
@@ -51,7 +51,7 @@ pub(crate) fn shade(
     }
     if coloured {
         let gray = 0.30 * light[0] + 0.55 * light[1] + 0.15 * light[2];
-        light = [0.42 + 0.62 * gray; 3];
+        light = [0.27 + 0.68 * gray; 3];
     }
     let gloss = if is_front { gloss(normal, toward_camera) } else { 0.0 };
     std::array::from_fn(|i| {

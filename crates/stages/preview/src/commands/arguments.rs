@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MM-MM")]
     pub(crate) range_mm: Option<ValueRange>,
     /// Colour map
-    #[arg(long, value_name = "MAP", default_value = "viridis")]
+    #[arg(long, value_name = "MAP", default_value = "ember")]
     pub(crate) map: MapName,
     /// front, three-quarter, left, right, back (sides of the face) or azimuth,elevation in degrees; may be repeated
     #[arg(long, value_name = "VIEW", default_value = "front", allow_hyphen_values = true)]

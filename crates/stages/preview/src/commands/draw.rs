@@ -243,7 +243,7 @@ fn check_size(arguments: &Arguments, shot_count: usize, columns: usize) -> anyho
     sheet::check_size(columns * width, rows * height).context("to do: choose a smaller --size or --count")
 }
 
-/// From shot after shot to rows of the sheet; captions of later views would only repeat.
+/// From shot after shot to rows of the sheet.
 fn arrange(cells: Vec<Cell>, view_count: usize, columns: usize, shot_count: usize) -> Vec<Cell> {
     if shot_count == 1 || view_count == 1 {
         return cells;
