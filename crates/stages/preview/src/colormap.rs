@@ -29,7 +29,8 @@ const VIRIDIS: [[u8; 3]; 11] = [
 
 /// Clay to dark red at fifths: CIELAB lightness falls in five equal steps from 88 to 33, neighbours are 24–26 units of
 /// colour difference apart.
-const EMBER: [[u8; 3]; 6] = [[225, 220, 213], [218, 185, 142], [216, 145, 78], [212, 98, 42], [192, 52, 46], [150, 26, 59]];
+const EMBER: [[u8; 3]; 6] =
+    [[225, 220, 213], [218, 185, 142], [216, 145, 78], [212, 98, 42], [192, 52, 46], [150, 26, 59]];
 
 impl ColorMap {
     /// The colour at `place` (0–1), sRGB 0–255, not rounded.

@@ -152,21 +152,28 @@ fn write_caption(
 fn draw_bar(paper: &mut RgbImage, pen: &Pen, plan: &Plan, sheet: &Sheet, bar: &ColorBar) {
     let text = plan.text;
     let ink = sheet.backdrop.ink();
-    let (width, height) = ((text * 0.9) as u32, (plan.cell[1] as f32 * 0.62) as u32);
+    let (width, height) = ((text * 0.9) as u32, ((plan.cell[1] as f32 * 0.62) as u32).max(2));
     let left = (plan.size()[0] - plan.bar) as u32 + (text * 1.2) as u32;
     let top = (plan.corner(0)[1] as f32 + plan.cell[1] as f32 * 0.19) as u32;
     for row in 0..height {
         let color = bar.map.at(1.0 - f64::from(row) / f64::from(height - 1)).map(|value| value.round() as u8);
-        (0..width).for_each(|column| paper.put_pixel(left + column, top + row, Rgb(color)));
+        (0..width).for_each(|column| mark(paper, left + column, top + row, color));
     }
     pen.write(paper, &bar.caption, [left as f32, top as f32 - text * 1.9], text, ink);
     let high = bar.range.high;
     for value in ticks(bar.range) {
         let y = (f64::from(top) + (1.0 - bar.range.place(value)) * f64::from(height - 1)).round() as u32;
         let start = left + width;
-        (0..(text * 0.35) as u32).for_each(|k| paper.put_pixel(start + k, y, Rgb(ink)));
+        (0..(text * 0.35) as u32).for_each(|k| mark(paper, start + k, y, ink));
         let label = bar_label(value, sheet, value == high);
         pen.write(paper, &label, [start as f32 + text * 0.6, y as f32 - text * 0.55], text, ink);
+    }
+}
+
+/// Colours a pixel, if the paper has it.
+fn mark(paper: &mut RgbImage, column: u32, row: u32, color: [u8; 3]) {
+    if let Some(pixel) = paper.get_pixel_mut_checked(column, row) {
+        *pixel = Rgb(color);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reads, draws, writes.
 
 use super::arguments::{Arguments, Coloring};
-use super::shots::{Reference, Rest, Sequence, Shot, Source};
+use super::shots::{Reference, Rest, Shot, Source, open_sequence, select};
 use anyhow::{Context, bail};
 use artifact::{FrameReader, Handles};
 use image::{ImageFormat, RgbImage};
@@ -80,7 +80,7 @@ pub(crate) fn draw(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
 
 fn open<'a>(run: &mut Run, arguments: &Arguments, rest: Rest<'a>) -> anyhow::Result<Source<'a>> {
     let sequence = arguments.sequence.as_ref();
-    let sequence = sequence.map(|path| Sequence::open(run, "sequence", path, &rest)).transpose()?;
+    let sequence = sequence.map(|path| open_sequence(run, "sequence", path, &rest)).transpose()?;
     let reference = arguments.reference.as_ref();
     let reference = reference.map(|path| Reference::open(run, path, &rest)).transpose()?;
     Ok(Source { rest, sequence, reference })
@@ -88,7 +88,7 @@ fn open<'a>(run: &mut Run, arguments: &Arguments, rest: Rest<'a>) -> anyhow::Res
 
 fn choose(arguments: &Arguments, source: &Source) -> anyhow::Result<Vec<Shot>> {
     if let Some(sequence) = &source.sequence {
-        let frames = sequence.select(&arguments.frames, arguments.count)?;
+        let frames = select(sequence, &arguments.frames, arguments.count)?;
         return Ok(frames.into_iter().map(Shot::Frame).collect());
     }
     match arguments.pose.is_empty() {

@@ -1,9 +1,10 @@
 //! What is to be drawn, read shot by shot: the rest mesh, poses, or frames of a sequence.
 
-use anyhow::{Context, bail};
-use artifact::{FrameRange, LargeScale, MeshRef, pc2};
+use anyhow::bail;
+use artifact::{FrameRange, MeshRef, MeshSequence};
 use mesh::Mesh;
 use nalgebra::Point3;
+use stage::Run;
 use std::path::{Path, PathBuf};
 
 type Points = Vec<Point3<f64>>;
@@ -57,81 +58,53 @@ impl Rest<'_> {
     }
 }
 
-/// A vertex cache and the frame of every sample.
-#[derive(Clone)]
-pub(crate) struct Sequence {
-    cache: PathBuf,
-    named: PathBuf,
-    frames: Vec<i64>,
-    in_mm: f64,
+/// Opens a sequence and checks that it fits the rest mesh.
+pub(crate) fn open_sequence(
+    run: &mut Run,
+    role: &str,
+    path: &Path,
+    rest: &Rest,
+) -> anyhow::Result<MeshSequence> {
+    run.input(role, path)?;
+    let sequence = MeshSequence::open(path, Some(rest.reference.unit))?;
+    let (count, own) = (sequence.vertex_count(), rest.mesh.positions.len());
+    if count != own {
+        let (path, rest) = (path.display(), rest.path.display());
+        bail!(
+            "{path}: has {count} vertices, but {rest} has {own}\n  to do: give the mesh that the sequence was made for"
+        );
+    }
+    if let Some(mismatch) = sequence.mesh().and_then(|mesh| mesh.mismatch(&rest.reference)) {
+        run.warn(format!("{}: {mismatch}", path.display()));
+    }
+    if let Some(cache) = sequence.cache() {
+        run.input(&format!("{role} cache"), cache)?;
+    }
+    Ok(sequence)
 }
 
-impl Sequence {
-    /// Opens an index (`.json`) or a bare cache (`.pc2`) and checks that it fits the rest mesh.
-    pub(crate) fn open(run: &mut stage::Run, role: &str, path: &Path, rest: &Rest) -> anyhow::Result<Self> {
-        run.input(role, path)?;
-        let is_cache = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pc2"));
-        let sequence = match is_cache {
-            true => Self::bare(path, rest)?,
-            false => Self::indexed(run, role, path, rest)?,
-        };
-        let reader = pc2::Reader::open(&sequence.cache)?;
-        reader.check_vertex_count(rest.path, rest.mesh.positions.len())?;
-        let (samples, frames) = (reader.sample_count() as usize, sequence.frames.len());
-        if samples != frames || frames == 0 {
-            let cache = sequence.cache.display();
-            bail!("{}: names {frames} frames, but {cache} holds {samples}", path.display());
+/// The frames that the user asked for, rising.
+pub(crate) fn select(
+    sequence: &MeshSequence,
+    ranges: &[FrameRange],
+    count: Option<u32>,
+) -> anyhow::Result<Vec<i64>> {
+    let frames = sequence.frames();
+    for range in ranges {
+        if !frames.iter().any(|&frame| range.contains(frame)) {
+            let (first, last) = (frames[0], frames[frames.len() - 1]);
+            let what = if range.first == range.last {
+                format!("frame {}", range.first)
+            } else {
+                format!("frames {range}")
+            };
+            bail!("{}: has no {what}\n  to do: choose from {first} to {last}", sequence.path().display());
         }
-        Ok(sequence)
     }
-
-    fn bare(path: &Path, rest: &Rest) -> anyhow::Result<Self> {
-        let reader = pc2::Reader::open(path)?;
-        let first = reader.start_frame();
-        let frames = (first..first + i64::from(reader.sample_count())).collect();
-        let (cache, named) = (path.to_path_buf(), path.to_path_buf());
-        Ok(Self { cache, named, frames, in_mm: rest.reference.unit.in_mm() })
-    }
-
-    fn indexed(run: &mut stage::Run, role: &str, path: &Path, rest: &Rest) -> anyhow::Result<Self> {
-        let index: LargeScale = artifact::read_document(path)?;
-        let (stated, own) = (index.mesh.unit, rest.reference.unit);
-        if stated != own {
-            bail!(
-                "{}: was made with the mesh in {stated}, not in {own}\n  to do: find out which is right and say it with --unit",
-                path.display()
-            );
-        }
-        if let Some(mismatch) = index.mesh.mismatch(&rest.reference) {
-            run.warn(format!("{}: {mismatch}", path.display()));
-        }
-        let cache = path.with_file_name(&index.cache);
-        run.input(&format!("{role} cache"), &cache)?;
-        Ok(Self { cache, named: path.to_path_buf(), frames: index.frames, in_mm: stated.in_mm() })
-    }
-
-    /// The frames that the user asked for, rising.
-    pub(crate) fn select(&self, ranges: &[FrameRange], count: Option<u32>) -> anyhow::Result<Vec<i64>> {
-        for range in ranges {
-            if !self.frames.iter().any(|&frame| range.contains(frame)) {
-                let (first, last) = (self.frames[0], self.frames[self.frames.len() - 1]);
-                let what = if range.first == range.last {
-                    format!("frame {}", range.first)
-                } else {
-                    format!("frames {range}")
-                };
-                bail!("{}: has no {what}\n  to do: choose from {first} to {last}", self.named.display());
-            }
-        }
-        let wanted = |frame: &i64| ranges.is_empty() || ranges.iter().any(|range| range.contains(*frame));
-        let frames: Vec<i64> = self.frames.iter().copied().filter(wanted).collect();
-        let default = if ranges.is_empty() { FRAMES_DRAWN } else { frames.len() };
-        Ok(evenly(&frames, count.map_or(default, |count| count as usize)))
-    }
-
-    fn cursor(&self) -> anyhow::Result<Cursor<'_>> {
-        Ok(Cursor { sequence: self, reader: pc2::Reader::open(&self.cache)?, next: 0 })
-    }
+    let wanted = |frame: &i64| ranges.is_empty() || ranges.iter().any(|range| range.contains(*frame));
+    let chosen: Vec<i64> = frames.iter().copied().filter(wanted).collect();
+    let default = if ranges.is_empty() { FRAMES_DRAWN } else { chosen.len() };
+    Ok(evenly(&chosen, count.map_or(default, |count| count as usize)))
 }
 
 /// `count` of the frames with even steps between, first and last among them.
@@ -143,50 +116,22 @@ fn evenly(frames: &[i64], count: usize) -> Vec<i64> {
     }
 }
 
-/// Reads a cache from front to back; only the frame that is asked for is in memory.
-struct Cursor<'a> {
-    sequence: &'a Sequence,
-    reader: pc2::Reader,
-    next: u32,
-}
-
-impl Cursor<'_> {
-    /// The positions of a frame, mm. Frames must be asked for in rising order.
-    fn read(&mut self, frame: i64) -> anyhow::Result<Points> {
-        let sequence = self.sequence;
-        let missing = || format!("{}: has no frame {frame}", sequence.named.display());
-        let sample = sequence.frames.binary_search(&frame).ok().with_context(missing)? as u32;
-        self.reader.skip(sample - self.next)?;
-        let coordinates = self.reader.read()?.with_context(missing)?;
-        self.next = sample + 1;
-        let point = |x: &[f32]| Point3::new(x[0], x[1], x[2]).cast::<f64>() * sequence.in_mm;
-        let points: Points = coordinates.chunks_exact(3).map(point).collect();
-        match points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
-            Some(vertex) => bail!(
-                "{}, frame {frame}, vertex {vertex}: the position is not finite",
-                sequence.cache.display()
-            ),
-            None => Ok(points),
-        }
-    }
-}
-
 /// What errors are measured against.
 pub(crate) enum Reference {
     /// One shape for all shots.
     Still(Points),
     /// The same frame of another sequence.
-    Sequence(Sequence),
+    Sequence(MeshSequence),
 }
 
 impl Reference {
     /// Opens a mesh or a sequence, by its ending.
-    pub(crate) fn open(run: &mut stage::Run, path: &Path, rest: &Rest) -> anyhow::Result<Self> {
+    pub(crate) fn open(run: &mut Run, path: &Path, rest: &Rest) -> anyhow::Result<Self> {
         if path
             .extension()
             .is_some_and(|ending| ending.eq_ignore_ascii_case("pc2") || ending.eq_ignore_ascii_case("json"))
         {
-            return Sequence::open(run, "reference", path, rest).map(Self::Sequence);
+            return open_sequence(run, "reference", path, rest).map(Self::Sequence);
         }
         run.input("reference", path)?;
         rest.pose(path).map(Self::Still)
@@ -196,7 +141,7 @@ impl Reference {
 /// Where shots and references come from.
 pub(crate) struct Source<'a> {
     pub(crate) rest: Rest<'a>,
-    pub(crate) sequence: Option<Sequence>,
+    pub(crate) sequence: Option<MeshSequence>,
     pub(crate) reference: Option<Reference>,
 }
 
@@ -207,7 +152,7 @@ impl Source<'_> {
         shots: &[Shot],
         mut visit: impl FnMut(&Shot, Points, Option<&[Point3<f64>]>) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
-        let mut frames = self.sequence.as_ref().map(Sequence::cursor).transpose()?;
+        let mut frames = self.sequence.as_ref().map(MeshSequence::cursor).transpose()?;
         let mut moving = match &self.reference {
             Some(Reference::Sequence(sequence)) => Some(sequence.cursor()?),
             _ => None,
