@@ -15,7 +15,7 @@ pub struct Summary {
     pub p95: f64,
     /// Largest.
     pub max: f64,
-    /// Where the largest is: the first such place; empty if there are no differences.
+    /// Where the largest is: the first such place; empty where nothing differs.
     pub max_at: String,
 }
 
@@ -65,7 +65,9 @@ impl Moments {
         self.max = self.max.max(other.max);
     }
 
+    /// Where nothing differs, no place is the worst.
     pub(crate) fn summary(&self, p95: f64, max_at: String) -> Summary {
+        let max_at = if self.max > 0.0 { max_at } else { String::new() };
         let count = self.count.max(1) as f64;
         let (mean, rms) = (self.sum / count, (self.square_sum / count).sqrt());
         Summary { count: self.count, mean, rms, p95, max: self.max, max_at }

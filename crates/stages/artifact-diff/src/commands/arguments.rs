@@ -2,7 +2,7 @@
 
 use artifact::{FrameRange, Unit};
 use clap::Parser;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 
 /// Says how far two artifacts of one kind are apart, in millimetres or levels, and where most.
@@ -14,9 +14,9 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "artifact-diff", version, max_term_width = 100)]
 pub(crate) struct Arguments {
-    /// The one
+    /// First file
     pub(crate) first: PathBuf,
-    /// The other
+    /// Second file
     pub(crate) second: PathBuf,
     #[command(flatten)]
     pub(crate) parameters: Parameters,
@@ -39,13 +39,13 @@ pub(crate) struct Parameters {
     pub(crate) region: Vec<PathBuf>,
     /// Compare only these frames, e.g. 1001-1100
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
-    #[serde(skip)]
+    #[serde(serialize_with = "as_text")]
     pub(crate) frames: Option<FrameRange>,
     /// Largest difference that passes, mm
-    #[arg(long, value_name = "MM", value_parser = parse_tolerance)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = parse_tolerance)]
     pub(crate) tolerance_mm: Option<f64>,
     /// Largest difference of images that passes, in levels of 255 or 65535
-    #[arg(long, value_name = "LEVELS", value_parser = parse_tolerance, conflicts_with = "tolerance_mm")]
+    #[arg(long, value_name = "LEVELS", allow_hyphen_values = true, value_parser = parse_tolerance, conflicts_with = "tolerance_mm")]
     pub(crate) tolerance_levels: Option<f64>,
     /// Also fail where they differ beside the numbers: faces, groups, markers or frames on one side only
     #[arg(long)]
@@ -62,6 +62,10 @@ impl Parameters {
     pub(crate) fn takes(&self, frame: i64) -> bool {
         self.frames.is_none_or(|range| range.contains(frame))
     }
+}
+
+fn as_text<S: Serializer>(range: &Option<FrameRange>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&range.unwrap_or(FrameRange::ALL))
 }
 
 fn parse_tolerance(text: &str) -> Result<f64, String> {

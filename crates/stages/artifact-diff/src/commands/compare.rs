@@ -28,8 +28,7 @@ pub(crate) fn compare(run: &mut Run, arguments: Arguments) -> anyhow::Result<()>
         Kind::Markers | Kind::HeadMarkers => both.markers(run, [kind, other]),
         Kind::Handles => both.handles(),
         Kind::Image => both.images(),
-    }
-    .with_context(|| format!("{} and {} cannot be compared", first.display(), second.display()))?;
+    }?;
     run.input("first", first)?;
     run.input("second", second)?;
     run.result("difference", &report);
@@ -78,12 +77,18 @@ impl Both<'_> {
         [self.parameters.unit, self.parameters.second_unit.or(self.parameters.unit)]
     }
 
+    /// Says which files could not be compared.
+    fn comparable<T>(&self, outcome: Result<T, artifact_diff::Error>) -> anyhow::Result<T> {
+        let names = || format!("{} and {} cannot be compared", self.first.display(), self.second.display());
+        outcome.with_context(names)
+    }
+
     fn meshes(&self, run: &mut Run) -> anyhow::Result<Report> {
         let [unit, second_unit] = self.units();
         let (mesh, reference) = run.mesh("first", self.first, &[("--unit", unit)])?;
         let (other, _) = run.mesh("second", self.second, &[("--unit", second_unit)])?;
         let regions = self.regions(run, Some(&reference))?;
-        Ok(compare_meshes(&mesh, &other, &regions)?)
+        self.comparable(compare_meshes(&mesh, &other, &regions))
     }
 
     /// Reads the regions; one that was made for another mesh is used with a warning, since vertex order is identity.
@@ -108,7 +113,7 @@ impl Both<'_> {
             sequence.cache().map_or(Ok(()), |cache| run.input(role, cache).map(drop))?;
         }
         let regions = self.regions(run, first.mesh())?;
-        let mut diff = SequenceDiff::new(first.vertex_count(), &regions)?;
+        let mut diff = self.comparable(SequenceDiff::new(first.vertex_count(), &regions))?;
         let (mut cursor, mut other) = (first.cursor()?, second.cursor()?);
         let only = |one: &MeshSequence, two: &MeshSequence| -> Vec<i64> {
             let alone =
@@ -118,19 +123,20 @@ impl Both<'_> {
         let mut progress = run.progress("comparing", Some(first.frames().len() as u64));
         for &frame in first.frames() {
             if self.parameters.takes(frame) && second.frames().binary_search(&frame).is_ok() {
-                diff.add(frame, &cursor.read(frame)?, &other.read(frame)?)?;
+                self.comparable(diff.add(frame, &cursor.read(frame)?, &other.read(frame)?))?;
             }
             progress.step();
         }
         drop(progress);
-        Ok(diff.finish(&only(&first, &second), &only(&second, &first))?)
+        self.comparable(diff.finish(&only(&first, &second), &only(&second, &first)))
     }
 
     fn markers(&self, run: &mut Run, kinds: [Kind; 2]) -> anyhow::Result<Report> {
         let [unit, second_unit] = self.units();
         let first = read_markers(run, self.first, kinds[0], unit)?;
         let second = read_markers(run, self.second, kinds[1], second_unit)?;
-        let mut report = compare_samples(&self.samples(&first), &self.samples(&second), "marker")?;
+        let mut report =
+            self.comparable(compare_samples(&self.samples(&first), &self.samples(&second), "marker"))?;
         if kinds == [Kind::Markers, Kind::HeadMarkers] || kinds == [Kind::HeadMarkers, Kind::Markers] {
             report.structure.push("one is in head space".to_string());
         }
@@ -154,7 +160,7 @@ impl Both<'_> {
     fn handles(&self) -> anyhow::Result<Report> {
         let (first, vertices) = self.read_handles(self.first)?;
         let (second, other_vertices) = self.read_handles(self.second)?;
-        let mut report = compare_samples(&first, &second, "handle")?;
+        let mut report = self.comparable(compare_samples(&first, &second, "handle"))?;
         for (id, vertex) in first.ids.iter().zip(&vertices) {
             let at = second.ids.iter().position(|other| other == id);
             if let Some(other) = at.map(|at| other_vertices[at]).filter(|other| other != vertex) {
@@ -179,7 +185,7 @@ impl Both<'_> {
     }
 
     fn images(&self) -> anyhow::Result<Report> {
-        Ok(compare_images(&read_image(self.first)?, &read_image(self.second)?)?)
+        self.comparable(compare_images(&read_image(self.first)?, &read_image(self.second)?))
     }
 }
 

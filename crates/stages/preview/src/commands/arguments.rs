@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
     /// Axis that points up
     #[arg(long, value_name = "AXIS", default_value = "+y", allow_hyphen_values = true)]
     pub(crate) up: SignedAxis,
-    /// Axis that the face looks along
+    /// Axis that the face looks along (with --up z: -y)
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, default_value = "+z", default_value_ifs = [("up", "z", "-y"), ("up", "+z", "-y")])]
     pub(crate) front: SignedAxis,
     /// Mark the handle vertices of this file with dots
