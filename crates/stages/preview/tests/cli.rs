@@ -185,6 +185,7 @@ fn refusals_name_the_file_and_leave_nothing() {
 }
 
 #[test]
+#[allow(clippy::disallowed_methods, reason = "a test asks where its data is")]
 fn a_real_head_fills_its_picture() {
     let data = std::env::var("FURROW_DATA")
         .unwrap_or(format!("{}/../../../../shared/data", env!("CARGO_MANIFEST_DIR")));

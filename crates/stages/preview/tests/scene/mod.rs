@@ -3,7 +3,7 @@
 use mesh::Mesh;
 
 /// A sphere of quads (triangles at the poles), radius mm, y up, closed, counter-clockwise from outside.
-pub fn sphere(radius: f64, rings: u32) -> Mesh {
+pub(crate) fn sphere(radius: f64, rings: u32) -> Mesh {
     let segments = rings * 2;
     let mut positions = vec![[0.0, radius, 0.0]];
     for ring in 1..rings {
@@ -31,7 +31,7 @@ pub fn sphere(radius: f64, rings: u32) -> Mesh {
 
 #[allow(dead_code, reason = "each test file is a crate of its own, and not all draw it")]
 /// A square in the plane z, half a side each way, seen from +z; one quad.
-pub fn square(half: f64, z: f64) -> Mesh {
+pub(crate) fn square(half: f64, z: f64) -> Mesh {
     let corners = vec![[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
     let mut mesh = Mesh::from_triangles(corners, &[]);
     mesh.polygons.push(&[0, 1, 2, 3]);
