@@ -87,9 +87,9 @@ fn what_no_number_says_is_said_in_words() {
 
 #[test]
 fn percentiles_are_by_nearest_rank() {
-    let values: Vec<f64> = (1..=20).rev().map(f64::from).collect();
+    let values: Vec<f64> = (1..=21).rev().map(f64::from).collect();
     let summary = Summary::of(&values, |at| format!("#{at}"));
-    assert_eq!((summary.p95, summary.max, summary.max_at.as_str()), (19.0, 20.0, "#0"));
+    assert_eq!((summary.p95, summary.max, summary.max_at.as_str()), (20.0, 21.0, "#0"));
     assert_eq!(Summary::of(&[], |_| String::new()).count, 0);
 }
 
@@ -152,6 +152,20 @@ fn images_are_compared_in_their_own_levels() {
     );
     let wide = DynamicImage::from(RgbImage::new(5, 3));
     assert_eq!(compare_images(&image.into(), &wide), Err(Error::ImageSize { size: [4, 3], other: [5, 3] }));
+}
+
+#[test]
+fn of_equal_maxima_the_first_is_named() {
+    let (rest, raised) = (vec![Point3::origin(); 3], vec![Point3::new(0.0, 2.0, 0.0); 3]);
+    let regions = [Region { name: "last".into(), vertices: vec![2] }];
+    let mut diff = SequenceDiff::new(3, &regions).unwrap();
+    diff.add(4, &rest, &rest).unwrap();
+    diff.add(5, &rest, &raised).unwrap();
+    diff.add(6, &rest, &raised).unwrap();
+    let report = diff.finish(&[], &[]).unwrap();
+    assert_eq!(report.whole().max_at, "frame 5, vertex 0");
+    assert_eq!(report.regions[0].summary.max_at, "frame 5, vertex 2");
+    assert!(SequenceDiff::new(2, &regions).is_err());
 }
 
 proptest! {

@@ -50,7 +50,7 @@ impl ColorMap {
     }
 }
 
-/// A colour value 0–255 in sRGB as linear light 0–1 [IEC 61966-2-1].
+/// A colour value 0–255 in sRGB as linear light 0–1 (IEC 61966-2-1).
 pub(crate) fn to_linear(encoded: f64) -> f32 {
     let value = encoded / 255.0;
     match value <= 0.04045 {

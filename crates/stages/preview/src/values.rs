@@ -51,11 +51,12 @@ pub struct ValueRange {
 }
 
 impl ValueRange {
-    /// From 0 to the next round number (1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten) at or above `value`.
+    /// From 0 to the next round number (1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten) at or above `value`; to 1
+    /// where `value` is next to nothing (below 10⁻⁶).
     #[must_use]
     pub fn up_to(value: f64) -> Self {
         if !(value.is_finite() && value > 1e-6) {
-            return Self { low: 0.0, high: 1e-6 };
+            return Self { low: 0.0, high: 1.0 };
         }
         let power = 10f64.powi(value.log10().floor() as i32);
         let round = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];

@@ -88,6 +88,19 @@ fn triangles_of_a_pixel_and_less_leave_no_crack() {
 }
 
 #[test]
+fn a_shared_edge_through_the_middle_of_pixels_leaves_no_gap() {
+    let fan = Mesh::from_triangles(
+        vec![[-50., 0., 0.], [0., -50., 0.], [0., 50., 0.], [50., 0., 0.]],
+        &[[0, 1, 2], [1, 3, 2]],
+    );
+    let size = [161, 121];
+    let camera = camera_of(&fan, View::FRONT, Axes::default(), size);
+    assert_eq!(camera.project(&fan.positions[1]).0.x, 80.0, "the edge runs through pixel centres");
+    let picture = render(&Surface::of(&fan), &camera, size, &Look { supersampling: 1, ..plain() });
+    assert!((20..100).all(|row| !is_backdrop(picture.get_pixel(80, row))));
+}
+
+#[test]
 fn the_nearer_surface_is_seen_whatever_comes_first() {
     let (near, far) = (square(20.0, 30.0), sphere(60.0, 20));
     let camera = camera_of(&far, View::FRONT, Axes::default(), SIZE);
@@ -244,6 +257,7 @@ fn spreads_and_ranges_are_as_defined() {
     assert_eq!(Spread::of(&values), Spread { mean: 50.5, p95: 95.0, max: 100.0 });
     assert_eq!(ValueRange::up_to(2.3), ValueRange { low: 0.0, high: 3.0 });
     assert_eq!(ValueRange::up_to(0.5).high, 0.5);
+    assert_eq!(ValueRange::up_to(0.0).high, 1.0);
     assert_eq!("0.5-2".parse::<ValueRange>(), Ok(ValueRange { low: 0.5, high: 2.0 }));
     assert!("2-1".parse::<ValueRange>().is_err());
     let origin = [Point3::origin()];
