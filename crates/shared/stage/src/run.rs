@@ -17,6 +17,7 @@ pub struct Run {
     seconds: Map<String, Value>,
     outputs: Vec<String>,
     summary_to_stderr: bool,
+    objection: Option<String>,
 }
 
 impl Run {
@@ -29,7 +30,7 @@ impl Run {
             results: Map::new(),
         };
         let (warnings, seconds, outputs) = Default::default();
-        Self { common, record, warnings, seconds, outputs, summary_to_stderr: false }
+        Self { common, record, warnings, seconds, outputs, summary_to_stderr: false, objection: None }
     }
 
     /// The stage's name.
@@ -133,8 +134,26 @@ impl Run {
         Ok(())
     }
 
+    /// Objects to what was found: the work is done and its summary is printed, but the run ends with `why` and exit
+    /// code 1. For tools that compare and check.
+    pub fn object(&mut self, why: impl Into<String>) {
+        self.objection = Some(why.into());
+    }
+
+    /// Whether the summary is asked for as JSON on standard output, so that nothing else may stand there.
+    #[must_use]
+    pub fn is_json(&self) -> bool {
+        self.common.json
+    }
+
+    /// Prints the summary, and ends with the objection if there is one.
+    pub(crate) fn conclude(&self) -> anyhow::Result<()> {
+        self.finish()?;
+        self.objection.clone().map_or(Ok(()), |why| Err(anyhow::anyhow!(why)))
+    }
+
     /// Prints the summary.
-    pub(crate) fn finish(&self) -> anyhow::Result<()> {
+    fn finish(&self) -> anyhow::Result<()> {
         if self.common.json {
             let summary = serde_json::to_string(&json!({
                 "stage": self.record.stage,

@@ -48,7 +48,7 @@ pub fn run<A: Arguments>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()>) -
         // Fails only where a pool stands already; results do not depend on it.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
-    let outcome = work(&mut run, arguments).and_then(|()| run.finish());
+    let outcome = work(&mut run, arguments).and_then(|()| run.conclude());
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,

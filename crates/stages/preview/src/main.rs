@@ -1,1 +1,7 @@
-fn main() {}
+//! `preview`: shaded pictures of a mesh or of frames of a sequence.
+
+mod commands;
+
+fn main() -> std::process::ExitCode {
+    stage::run(commands::draw::draw)
+}
