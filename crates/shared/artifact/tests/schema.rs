@@ -235,7 +235,7 @@ fn a_frozen_response_basis_reads() {
     assert_eq!(values, [1.0, 0.0, 0.5, 0.0, 0.25, 0.5, 0.0, 1.0, 0.125, 0.0]);
     let place = Place::new();
     let again = place.path("again.npy");
-    artifact::npy::write_f32(&again, shape, &values).unwrap().publish().unwrap();
+    artifact::npy::write(&again, shape, &values).unwrap().publish().unwrap();
     assert_eq!(bytes(&again), bytes(&array));
 }
 
