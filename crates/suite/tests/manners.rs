@@ -73,20 +73,16 @@ fn cargo(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("cargo prints text")
 }
 
-/// The stages' binaries by name, built once.
+/// The stages' binaries by name. Cargo says where they are, and builds them if they are not; it is asked as
+/// `cargo test --workspace` asks, so that after that nothing is left to build.
 fn binaries() -> &'static [(String, PathBuf)] {
     static BINARIES: OnceLock<Vec<(String, PathBuf)>> = OnceLock::new();
     BINARIES.get_or_init(|| {
         let stages = stages();
-        let mut arguments = vec!["build", "-q", "--bins", "--message-format=json"];
-        stages.iter().for_each(|name| arguments.extend(["-p", name]));
-        let built = cargo(&arguments);
+        let built = cargo(&["test", "--workspace", "--no-run", "--quiet", "--message-format=json"]);
         let messages = built.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
         let mut found: Vec<(String, PathBuf)> = messages
-            .filter_map(|message| {
-                let path = message["executable"].as_str()?.into();
-                Some((message["target"]["name"].as_str()?.to_string(), path))
-            })
+            .filter_map(|message| binary_of(&message))
             .filter(|(name, _)| stages.contains(name))
             .collect();
         found.sort();
@@ -94,6 +90,13 @@ fn binaries() -> &'static [(String, PathBuf)] {
         assert_eq!(names, stages.iter().collect::<Vec<_>>(), "every stage has a binary of its name");
         found
     })
+}
+
+/// The binary that one of cargo's messages tells of; none if it is a test or a library.
+fn binary_of(message: &Value) -> Option<(String, PathBuf)> {
+    let is_binary = message["target"]["kind"][0] == "bin" && message["profile"]["test"] == false;
+    let path = message["executable"].as_str().filter(|_| is_binary)?;
+    Some((message["target"]["name"].as_str()?.to_string(), path.into()))
 }
 
 /// Runs a check on every binary and reports all that fail it, not only the first.
