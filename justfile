@@ -32,6 +32,7 @@ build:
 [group('check')]
 test: house
     cargo fmt --all --check
+    @python3 tools/peers/test_board.py --quiet
     cargo clippy --workspace --all-targets --locked --quiet -- -D warnings
     cargo test --workspace --locked
 

@@ -53,7 +53,7 @@ def judged(row, stage):
     unknown = set(row) - KEYS
     if unknown or "metric" not in row:
         raise ValueError(f"a metric needs a name and has no keys {sorted(unknown)}: {row}")
-    row = {"value": None, "target": None, "better": None, "unit": "", "context": {}} | row
+    row = {"metric": "", "value": None, "target": None, "better": None, "unit": "", "pass": None, "context": {}} | row
     if row["better"] not in BETTER:
         raise ValueError(f"{row['metric']}: 'better' is {row['better']!r}, not one of lower, higher, equal, None")
     if not row["metric"].startswith(f"{stage}/"):
@@ -68,8 +68,13 @@ def judged(row, stage):
 
 
 def plain(value):
-    """NumPy scalars as Python numbers."""
-    return value.item() if hasattr(value, "item") else value
+    """NumPy scalars and arrays as Python numbers and lists."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def jsonable(value):
+    """What JSON does not know: NumPy's values as plain ones, anything else as text."""
+    return plain(value) if hasattr(value, "tolist") else str(value)
 
 
 def failed(stage, kind, reason):
@@ -93,9 +98,11 @@ def measure(stage, kind, ctx):
 
 
 def shown(value):
-    """A number for people: four significant digits."""
+    """A number for people: four significant digits. Tables inside the context are for `--json`."""
     if value is None:
         return "–"
+    if isinstance(value, dict) or isinstance(value, list) and len(str(value)) > 60:
+        return "…"
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value)
     return f"{value:.4g}"
@@ -148,7 +155,7 @@ def main(words=None):
             for row in measure(stage, chosen.kind, ctx):
                 rows.append(row)
                 if chosen.json:
-                    print(json.dumps(row, ensure_ascii=False, default=str), flush=True)
+                    print(json.dumps(row, ensure_ascii=False, default=jsonable), flush=True)
     if not rows:
         print(f"board: no metric was measured: {chosen.stage} has no {chosen.kind}()", file=sys.stderr)
         return 1

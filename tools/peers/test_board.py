@@ -100,6 +100,15 @@ class Board(unittest.TestCase):
                 self.run_board(*words)
             self.assertEqual(stop.exception.code, 2)
 
+    def test_values_like_those_of_numpy_become_plain(self):
+        class Scalar:
+            def tolist(self):
+                return 0.25
+
+        scalar = Scalar()
+        self.assertEqual(board.judged({"metric": "a", "value": scalar}, "shell")["value"], 0.25)
+        self.assertEqual(json.dumps({"a": scalar}, default=board.jsonable), '{"a": 0.25}')
+
     def test_the_table_is_aligned(self):
         _, out, _ = self.run_board("score", "all")
         lines = out.splitlines()

@@ -33,7 +33,7 @@ fn check_library_file(file: &SourceFile) -> Vec<Finding> {
         .into_iter()
         .map(|(at, what)| {
             let place = format!("{}:{}", file.path, line_of(&code, at));
-            Finding::fault(place, format!("a stage's library names {what}: only main.rs and commands/ may"))
+            Finding::fault(place, format!("names {what}: in a stage, only main.rs and commands/ may"))
         })
         .collect()
 }
