@@ -1,0 +1,77 @@
+# Furrow's recipes. `./tools/run RECIPE` installs what is missing first; `just RECIPE` is enough afterwards.
+
+set positional-arguments
+
+python := ".venv/bin/python"
+
+# List the recipes
+default:
+    @just --list --unsorted
+
+# A whole run on synthetic markers: from a recording to pictures of the moving face
+[group('use')]
+demo *ARGS:
+    @tools/demo "$@"
+
+# The same on real recordings; says what is missing if their folder is not there
+[group('use')]
+demo-real *ARGS:
+    @tools/demo-real "$@"
+
+# Say where each real data set comes from, under which licence, and where to put it
+[group('use')]
+fetch-data *ARGS:
+    @tools/fetch-data "$@"
+
+# Build all stages, optimised, into target/release
+[group('use')]
+build:
+    cargo build --release --workspace --bins
+
+# Everything that must hold before a change lands
+[group('check')]
+test: house
+    cargo fmt --all --check
+    @python3 tools/peers/test_board.py --quiet
+    cargo clippy --workspace --all-targets --locked --quiet -- -D warnings
+    cargo test --workspace --locked
+
+# The rules of the house: floors, flow of artifacts, anatomy, citations, drawings
+[group('check')]
+house:
+    @cargo run --quiet --package house -- check
+
+# Read every golden artifact with the small NumPy readers
+[group('check')]
+readers-check *ARGS: _python
+    @{{ python }} tools/readers/check.py "$@"
+
+# Accuracy of a stage (or `all`) against its targets: score STAGE [--seeds 1,2,3] [--json]
+[group('measure')]
+score STAGE *ARGS: (_python "peers")
+    @{{ python }} tools/peers/board.py score "$@"
+
+# Speed and memory of a stage (or `all`) against named peers: bench STAGE [--json]
+[group('measure')]
+bench STAGE *ARGS: (_python "peers")
+    @{{ python }} tools/peers/board.py bench "$@"
+
+# Lay the ground for a new stage
+[group('build on it')]
+new-stage NAME:
+    @cargo run --quiet --package house -- new-stage "$1"
+
+# Redraw the README's stage table and the pipeline picture
+[group('build on it')]
+drawings:
+    @cargo run --quiet --package house -- table --write
+    @cargo run --quiet --package house -- picture --write
+
+# The libraries' documentation
+[group('build on it')]
+docs *ARGS:
+    cargo doc --workspace --no-deps "$@"
+
+# The Python environment of peers and readers, made on first use
+_python *PARTS:
+    @tools/peers/environment "$@"
