@@ -41,8 +41,10 @@ impl Displacer {
         let mut images: Vec<Point3<f64>> = points.iter().flatten().copied().collect();
         self.map.map_all(&mut images);
         let mut images = images.into_iter();
-        let displacement =
-            |(point, rest): (&Option<Point3<f64>>, &Point3<f64>)| Some(point.and(images.next())? - rest);
+        let displacement = |(point, rest): (&Option<Point3<f64>>, &Point3<f64>)| {
+            // Only points that are there have an image.
+            point.and_then(|_| images.next()).map(|image| image - rest)
+        };
         let displacements = points.iter().zip(&self.rest).map(displacement).collect();
         HandleFrame { frame: frame.frame, displacements, weights: vec![None; self.tracks.len()] }
     }
@@ -69,7 +71,9 @@ pub fn mismatch(warp: &Warp, markers: &FileRef, take: Option<&TakeRef>) -> Optio
         return None;
     }
     match (&warp.take, take) {
-        (Some(fitted), Some(given)) if fitted.sha256 == given.sha256 || fitted.session == given.session => None,
+        (Some(fitted), Some(given)) if fitted.sha256 == given.sha256 || fitted.session == given.session => {
+            None
+        }
         (Some(fitted), Some(given)) => Some(format!(
             "the warp was fitted to {fitted} of session {}, the markers are of {given} of session {}",
             fitted.session, given.session

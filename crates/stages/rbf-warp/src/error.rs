@@ -49,7 +49,9 @@ pub enum Error {
         space: &'static str,
     },
     /// The rest frame is not among the frames.
-    #[error("the trajectories have no frame {frame}; they run from {first} to {last}\n  to do: say --rest-frame with one of them, or auto")]
+    #[error(
+        "the trajectories have no frame {frame}; they run from {first} to {last}\n  to do: say --rest-frame with one of them, or auto"
+    )]
     NoSuchFrame {
         /// The frame that was asked for.
         frame: i64,

@@ -57,6 +57,12 @@ impl RbfMap {
         points.iter_mut().enumerate().for_each(|(i, point)| *point = take(&out, i).into());
     }
 
+    /// The instruction set that maps are evaluated with here; across instruction sets results agree to rounding only.
+    #[must_use]
+    pub fn instruction_set() -> &'static str {
+        crate::kernel::instruction_set()
+    }
+
     /// Centers, mm, in their order.
     #[must_use]
     pub fn centers(&self) -> Vec<Point3<f64>> {

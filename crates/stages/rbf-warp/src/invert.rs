@@ -33,7 +33,31 @@ pub struct Preimage {
 pub struct Inverse {
     forward: RbfMap,
     backward: RbfMap,
+    anchors: Vec<Anchor>,
     params: InvertParams,
+}
+
+/// A center and its image (mm): a preimage that is known.
+#[derive(Debug, Clone, Copy, Default)]
+struct Anchor {
+    center: Vector3<f64>,
+    image: Vector3<f64>,
+}
+
+impl Anchor {
+    /// Of all centers that are not on a folded-over sheet, or of all where every one is.
+    fn of(map: &RbfMap) -> Vec<Self> {
+        let (mut upright, mut all) = (Vec::new(), Vec::new());
+        for center in map.centers() {
+            let (image, jacobian) = map.with_jacobian(&center);
+            let anchor = Self { center: map.normalised(&center), image: image.coords };
+            all.push(anchor);
+            if jacobian.determinant() > 0.0 {
+                upright.push(anchor);
+            }
+        }
+        if upright.is_empty() { all } else { upright }
+    }
 }
 
 impl Inverse {
@@ -47,7 +71,8 @@ impl Inverse {
     /// The inverse of `forward`; `backward` is where the search starts.
     #[must_use]
     pub fn of(forward: RbfMap, backward: RbfMap, params: InvertParams) -> Self {
-        Self { forward, backward, params }
+        let anchors = Anchor::of(&forward);
+        Self { forward, backward, anchors, params }
     }
 
     /// Whether a preimage is close enough to be one.
@@ -110,22 +135,19 @@ impl Inverse {
         }
     }
 
-    /// Follows the preimage along the straight line from the image of the nearest center.
+    /// Follows the preimage along the straight line from the image of the nearest anchor.
     fn continuation(&self, targets: &[Vector3<f64>]) -> Vec<Search> {
-        let centers: Vec<Vector3<f64>> =
-            self.forward.terms().rows.iter().map(|row| Vector3::new(row[0], row[1], row[2])).collect();
-        let mut images = self.forward.centers();
-        self.forward.map_all(&mut images);
         let nearest = |target: &Vector3<f64>| {
-            let distance = |i: &usize| (images[*i].coords - target).norm_squared();
-            (0..images.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+            let distance = |anchor: &Anchor| (anchor.image - target).norm_squared();
+            let nearer = |a: &&Anchor, b: &&Anchor| distance(a).total_cmp(&distance(b));
+            self.anchors.iter().min_by(nearer).copied().unwrap_or_default()
         };
-        let from: Vec<usize> = targets.iter().map(nearest).collect();
-        let mut at: Vec<Vector3<f64>> = from.iter().map(|&i| centers[i]).collect();
+        let from: Vec<Anchor> = targets.iter().map(nearest).collect();
+        let mut at: Vec<Vector3<f64>> = from.iter().map(|anchor| anchor.center).collect();
         for step in 1..CONTINUATION {
             let share = step as f64 / CONTINUATION as f64;
-            let between = |(target, &i): (&Vector3<f64>, &usize)| images[i].coords.lerp(target, share);
-            let way: Vec<_> = targets.iter().zip(&from).map(between).collect();
+            let way: Vec<_> =
+                targets.iter().zip(&from).map(|(target, anchor)| anchor.image.lerp(target, share)).collect();
             at = self.newton(&way, &at).into_iter().map(|search| search.best).collect();
         }
         self.newton(targets, &at)
@@ -186,8 +208,9 @@ impl Search {
     /// the step.
     fn advance(&mut self, value: Vector3<f64>, jacobian: Matrix3<f64>, goal: f64) {
         let residual = self.target - value;
-        // Not `>=`: a value that is no number is no improvement.
-        if !(residual.norm_squared() < self.residual.norm_squared()) {
+        // A value that is no number is no improvement.
+        let improved = residual.norm_squared() < self.residual.norm_squared();
+        if !improved {
             self.halvings += 1;
             self.step *= 0.5;
             self.trial = self.best + self.step;

@@ -48,6 +48,19 @@ impl Terms {
     }
 }
 
+/// The instruction set that this machine evaluates with; another one rounds differently.
+pub(crate) fn instruction_set() -> &'static str {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(_) => "avx512",
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(_) => "avx2",
+        #[cfg(target_arch = "aarch64")]
+        Arch::Neon(_) => "neon",
+        _ => "scalar",
+    }
+}
+
 struct Job<'a, const N: usize> {
     terms: &'a Terms,
     at: &'a Columns<3>,

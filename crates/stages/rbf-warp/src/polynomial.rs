@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, Matrix3, Matrix6, Vector3, Vector6};
 pub const UNDETERMINED: f64 = 0.02;
 
 /// Factors that make the norm of a quadratic form's coefficients independent of rotation (Frobenius).
-const FORM: [f64; 6] = [1.0, 1.0, 1.0, std::f64::consts::SQRT_2, std::f64::consts::SQRT_2, std::f64::consts::SQRT_2];
+const FORM: [f64; 6] =
+    [1.0, 1.0, 1.0, std::f64::consts::SQRT_2, std::f64::consts::SQRT_2, std::f64::consts::SQRT_2];
 
 /// A space of polynomials, as coefficients of the ten monomials.
 pub(crate) struct PolynomialSpace {

@@ -54,11 +54,12 @@ pub(crate) fn choose(
             best = Some((residual, index));
         }
     }
-    best.map(|(_, index)| index).ok_or_else(|| Error::NoUsableFrame { most })
+    best.map(|(_, index)| index).ok_or(Error::NoUsableFrame { most })
 }
 
 fn similarity_rms(frame: &MarkerFrame, tracks: &[usize], targets: &[Point3<f64>]) -> Option<f64> {
-    let seen = tracks.iter().zip(targets).filter_map(|(&track, target)| Some((frame.points[track]?, *target)));
+    let seen =
+        tracks.iter().zip(targets).filter_map(|(&track, target)| Some((frame.points[track]?, *target)));
     let (from, to): (Vec<_>, Vec<_>) = seen.unzip();
     let similarity = camera::fit_similarity(&from, &to, None).ok()?;
     let square: f64 = from.iter().zip(&to).map(|(from, to)| (to - similarity * from).norm_squared()).sum();
@@ -80,7 +81,9 @@ pub(crate) fn rest_point(trajectories: &Trajectories, rest: usize, track: usize,
     let before = frames[..rest].iter().rev().map_while(shown).flatten().next();
     let after = frames[rest + 1..].iter().map_while(shown).flatten().next();
     match (before, after) {
-        (Some((back, from)), Some((ahead, to))) => RestPoint::Filled(from + (to - from) * (back / (back + ahead))),
+        (Some((back, from)), Some((ahead, to))) => {
+            RestPoint::Filled(from + (to - from) * (back / (back + ahead)))
+        }
         (Some((_, point)), None) | (None, Some((_, point))) => RestPoint::Filled(point),
         (None, None) => RestPoint::Missing,
     }

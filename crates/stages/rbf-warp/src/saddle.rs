@@ -70,9 +70,7 @@ impl Saddle {
         let inverse = factor.solve(&self.null.transpose());
         let diagonal = DVector::from_fn(n, |i, _| self.null.row(i).transpose().dot(&inverse.column(i)));
         let largest = diagonal.max();
-        let error = |i: usize| {
-            (diagonal[i] > ALONE * largest).then(|| weights.row(i).norm() / diagonal[i])
-        };
+        let error = |i: usize| (diagonal[i] > ALONE * largest).then(|| weights.row(i).norm() / diagonal[i]);
         (0..n).map(error).collect()
     }
 

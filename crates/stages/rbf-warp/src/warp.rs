@@ -73,7 +73,8 @@ pub fn fit_warp(
         warnings.push(Warning::Folded { determinant: folding.smallest_determinant, place });
     }
     let irreplaceable = sites.markers.iter().zip(&forward.leave_one_out_mm);
-    let irreplaceable = irreplaceable.filter(|(_, error)| error.is_none()).map(|(id, _)| id.clone()).collect();
+    let irreplaceable =
+        irreplaceable.filter(|(_, error)| error.is_none()).map(|(id, _)| id.clone()).collect();
     let fit = sites.diagnostics(&forward, folding.smallest_determinant);
     let warp = Warp {
         face_from_mocap: forward.interpolant,

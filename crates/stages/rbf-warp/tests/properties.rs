@@ -5,7 +5,7 @@ mod scene;
 use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;
 use rand::Rng;
-use rbf_warp::{Degree, Error, Inverse, InterpolantFit, InvertParams, Pairs, RbfMap, fit_interpolant};
+use rbf_warp::{Degree, Error, InterpolantFit, Inverse, InvertParams, Pairs, RbfMap, fit_interpolant};
 use scene::*;
 
 fn fit(from: &Points, to: &Points, degree: Degree) -> (InterpolantFit, RbfMap) {
@@ -178,7 +178,9 @@ proptest! {
 
 #[test]
 fn a_plane_and_an_ellipsoid_lose_the_terms_that_they_do_not_determine() {
-    for (points, rank) in [(ellipsoid(60, &mut rng(1)), 9), (plane(60, &mut rng(1)), 6), (face(60, &mut rng(1)), 10)] {
+    for (points, rank) in
+        [(ellipsoid(60, &mut rng(1)), 9), (plane(60, &mut rng(1)), 6), (face(60, &mut rng(1)), 10)]
+    {
         let to = expression(&points, 1.0, &mut rng(2));
         let (fit, map) = fit(&points, &to, Degree::Quadratic);
         assert_eq!(fit.polynomial_rank, rank);
@@ -209,15 +211,21 @@ fn two_markers_in_one_place_are_named() {
     from[11] = from[3];
     let names = names(20);
     let error = fit_interpolant(pairs(&names, &from, &to), Degree::Quadratic).unwrap_err();
-    assert!(matches!(error, Error::Coincident { ref first, ref second, .. } if first == "m3" && second == "m11"));
+    assert!(
+        matches!(error, Error::Coincident { ref first, ref second, .. } if first == "m3" && second == "m11")
+    );
 }
 
 #[test]
 fn too_few_markers_are_refused_by_number() {
     let (from, names) = (face(9, &mut rng(8)), names(9));
     let of = |count: usize, degree| {
-        let pairs =
-            Pairs { markers: &names[..count], from: &from[..count], to: &from[..count], space: "mocap space" };
+        let pairs = Pairs {
+            markers: &names[..count],
+            from: &from[..count],
+            to: &from[..count],
+            space: "mocap space",
+        };
         fit_interpolant(pairs, degree).map(|fit| fit.polynomial_terms)
     };
     assert_eq!(of(9, Degree::Quadratic).unwrap_err(), Error::TooFewForQuadratic { count: 9 });

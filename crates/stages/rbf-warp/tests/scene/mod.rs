@@ -36,7 +36,10 @@ fn front(count: usize, rng: &mut ChaCha8Rng) -> Vec<Vector3<f64>> {
 /// Exactly on an ellipsoid of a head's size, mm.
 pub(crate) fn ellipsoid(count: usize, rng: &mut ChaCha8Rng) -> Points {
     let axes = Vector3::new(70.0, 100.0, 80.0);
-    front(count, rng).iter().map(|d| Point3::from(d.component_mul(&axes)) + Vector3::new(5.0, -8.0, 12.0)).collect()
+    front(count, rng)
+        .iter()
+        .map(|d| Point3::from(d.component_mul(&axes)) + Vector3::new(5.0, -8.0, 12.0))
+        .collect()
 }
 
 /// Exactly on a tilted plane, mm.
@@ -53,7 +56,8 @@ pub(crate) fn face(count: usize, rng: &mut ChaCha8Rng) -> Points {
     ellipsoid(count, rng)
         .into_iter()
         .map(|p| {
-            let relief = bump(&p, [5.0, -10.0], 25.0, 18.0) - bump(&p, [-28.0, 20.0], 10.0, 16.0)
+            let relief = bump(&p, [5.0, -10.0], 25.0, 18.0)
+                - bump(&p, [-28.0, 20.0], 10.0, 16.0)
                 - bump(&p, [38.0, 20.0], 10.0, 16.0)
                 + bump(&p, [5.0, -70.0], 12.0, 22.0);
             p + Vector3::new(0.0, 0.0, relief) + normal3(rng, 0.5)
@@ -73,7 +77,8 @@ pub(crate) fn rigid(rng: &mut ChaCha8Rng) -> Isometry3<f64> {
 
 /// Another expression: a smooth bend of a few millimetres and picking errors.
 pub(crate) fn expression(points: &Points, error_mm: f64, rng: &mut ChaCha8Rng) -> Points {
-    let bend = |p: &Point3<f64>| Vector3::new((p.y / 40.0).sin(), (p.x / 50.0).cos(), (p.y / 60.0).cos()) * 2.5;
+    let bend =
+        |p: &Point3<f64>| Vector3::new((p.y / 40.0).sin(), (p.x / 50.0).cos(), (p.y / 60.0).cos()) * 2.5;
     points.iter().map(|p| p + bend(p) + normal3(rng, error_mm)).collect()
 }
 
