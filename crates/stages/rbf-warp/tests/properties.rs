@@ -1,4 +1,5 @@
 //! Laws that hold for every warp.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 mod scene;
 

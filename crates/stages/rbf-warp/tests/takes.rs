@@ -1,4 +1,5 @@
 //! Whole takes through the library: rest frame, missing markers, warnings, displacements.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 mod scene;
 

@@ -1,5 +1,8 @@
 //! Marker sets for tests: face-like, and degenerate on purpose.
 #![allow(dead_code, reason = "each test file uses its part")]
+#![allow(clippy::unwrap_used, clippy::disallowed_methods, reason = "a test may fail, and looks at files")]
+
+pub(crate) mod files;
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
