@@ -124,7 +124,7 @@ proptest! {
     #[test]
     fn leave_one_out_equals_a_refit(seed in 0u64.., quadratic in any::<bool>()) {
         let rng = &mut rng(seed);
-        let from = face(30, rng);
+        let from = face(60, rng);
         let to = expression(&from, 1.0, rng);
         let degree = if quadratic { Degree::Quadratic } else { Degree::Linear };
         let (whole, _) = fit(&from, &to, degree);
@@ -142,25 +142,23 @@ proptest! {
         }
     }
 
-    /// Centers on or near a plane or an ellipsoid: the warp stays close to the similarity, as far as the data do.
+    /// Centers on or near a plane or an ellipsoid: the warp stays about as close to the similarity as a linear one,
+    /// which no quadric can mislead. (How far that is, is up to the data: two markers pushed together may ask for a lot.)
     #[test]
     fn degenerate_markers_never_give_a_wild_warp(
-        seed in 0u64.., count in 10usize..90, flat in any::<bool>(), off in prop_oneof![Just(0.0), 1e-6..5.0f64],
+        seed in 0u64.., count in 12usize..90, flat in any::<bool>(), off in prop_oneof![Just(0.0), 1e-6..5.0f64],
     ) {
         let rng = &mut rng(seed);
         let exact = if flat { plane(count, rng) } else { ellipsoid(count, rng) };
         let from: Points = exact.iter().map(|p| p + normal3(rng, off)).collect();
         let to = expression(&from, 1.0, rng);
-        let (fit, map) = fit(&from, &to, Degree::Quadratic);
-        let from_similarity = |p: &Point3<f64>| (map.at(p) - fit.similarity * p).norm();
-        let data = from.iter().map(from_similarity).fold(0.0, f64::max);
-        for _ in 0..200 {
-            let point = near(&from, 20.0, rng);
-            prop_assert!(
-                from_similarity(&point) < 6.0 * data + 2.0,
-                "{} mm where the data have {data} mm, rank {}", from_similarity(&point), fit.polynomial_rank
-            );
-        }
+        let points: Points = (0..200).map(|_| near(&from, 20.0, rng)).chain(from.iter().copied()).collect();
+        let deviation = |degree| {
+            let (fit, map) = fit(&from, &to, degree);
+            points.iter().map(|p| (map.at(p) - fit.similarity * p).norm()).fold(0.0, f64::max)
+        };
+        let (quadratic, linear) = (deviation(Degree::Quadratic), deviation(Degree::Linear));
+        prop_assert!(quadratic < 5.0 * linear, "{quadratic} mm, linear {linear} mm");
     }
 
     #[test]

@@ -1,5 +1,10 @@
 //! Recorded markers: a real face must not look degenerate, and must invert.
-#![allow(clippy::unwrap_used, clippy::disallowed_methods, reason = "a test may fail, and looks at files")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may fail, looks at files, and says what it skips"
+)]
 
 mod scene;
 
