@@ -1,0 +1,83 @@
+//! Recorded markers: a real face must not look degenerate, and must invert.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may fail, looks at files, and says what it skips"
+)]
+
+mod scene;
+
+use nalgebra::Point3;
+use rbf_warp::{Degree, Inverse, InvertParams, RbfMap, fit_interpolant};
+use scene::*;
+use std::path::PathBuf;
+
+/// A folder of real data, or `None` with a line that says so.
+fn data(folder: &str) -> Option<PathBuf> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
+    let root = std::env::var("FURROW_DATA").unwrap_or_else(|_| beside.to_string());
+    let path = PathBuf::from(root).join(folder);
+    if !path.is_dir() {
+        println!("skipped: {folder} absent");
+        return None;
+    }
+    Some(path)
+}
+
+/// Two frames of the 41 AnimFace markers, mm.
+fn animface() -> Option<(Points, Points)> {
+    let text = std::fs::read_to_string(data("face_markers_animface")?.join("jaw.csv")).unwrap();
+    let frame = |row: usize| -> Points {
+        let numbers: Vec<f64> =
+            text.lines().nth(row + 1).unwrap().split(',').map(|x| x.parse().unwrap()).collect();
+        numbers[1..].chunks(3).map(|p| Point3::new(p[0], p[1], p[2]) * 10.0).collect()
+    };
+    Some((frame(400), frame(0)))
+}
+
+/// The 90 markers on the neutral scan, on another expression, and the neutral scan itself, mm.
+fn ict(expression: &str) -> Option<(Points, Points, Points)> {
+    let folder = data("ict_facekit_dev")?;
+    let about = std::fs::read_to_string(folder.join("sequence.json")).unwrap();
+    let about: serde_json::Value = serde_json::from_str(&about).unwrap();
+    let markers: Vec<usize> =
+        about["marker_vertices"].as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as usize).collect();
+    let mesh = |name: &str| artifact::read_mesh(&folder.join(name), artifact::Unit::Cm).unwrap().positions;
+    let (neutral, other) = (mesh("neutral.obj"), mesh(expression));
+    let on = |points: &Points| markers.iter().map(|&vertex| points[vertex]).collect();
+    Some((on(&neutral), on(&other), neutral))
+}
+
+#[test]
+fn real_markers_determine_every_term() {
+    let sets = [animface(), ict("smile.obj").map(|(neutral, smile, _)| (smile, neutral))];
+    for (rest, scan) in sets.into_iter().flatten() {
+        let names = names(rest.len());
+        let fit = fit_interpolant(pairs(&names, &rest, &scan), Degree::Quadratic).unwrap();
+        assert_eq!(fit.polynomial_rank, 10);
+        assert!(fit.condition < 1e7, "{}", fit.condition);
+        let mut errors: Vec<f64> = fit.leave_one_out_mm.iter().map(|error| error.unwrap()).collect();
+        errors.sort_by(f64::total_cmp);
+        // Neighbours are 15 mm away and the mouth is wide open in one of the two: millimetres, but not more.
+        assert!(errors[errors.len() / 2] < 6.0, "{errors:?}");
+    }
+}
+
+#[test]
+fn the_scan_goes_back_to_mocap_space() {
+    for expression in ["smile.obj", "mouth_pucker.obj", "cheek_puff.obj"] {
+        let Some((neutral, other, scan)) = ict(expression) else { return };
+        let names = names(90);
+        let fit = |from, to| fit_interpolant(pairs(&names, from, to), Degree::Quadratic).unwrap().interpolant;
+        let (forward, backward) = (RbfMap::new(&fit(&other, &neutral)), RbfMap::new(&fit(&neutral, &other)));
+        let inverse = Inverse::of(forward.clone(), backward, InvertParams::default());
+        let narrow_face = &scan[..6706];
+        let found = inverse.preimages(narrow_face);
+        assert!(found.iter().all(|preimage| inverse.is_found(preimage)));
+        let mut images: Points = found.iter().map(|preimage| preimage.point).collect();
+        forward.map_all(&mut images);
+        let worst = images.iter().zip(narrow_face).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(worst < 1e-6, "{worst}");
+    }
+}
