@@ -10,9 +10,9 @@ use nalgebra::{DMatrix, Matrix3, Matrix6, Vector3, Vector6};
 ///
 /// Of the block whose rows are the centers (coordinates in units of the set's radius) and whose columns are a degree's
 /// forms of unit norm, without what lower degrees explain. An error e in the picks changes the coefficient that belongs to
-/// a singular value s by e / s, so this bounds how much errors are multiplied: at the limit, 1 mm becomes 7 mm per
-/// squared radius, or 1 to 3 mm at 20 mm off a face. Markers on real faces have 0.65 (90 of them), 0.54 (41), 0.21 (20);
-/// 90 markers that follow an ellipsoid to 1 mm have 0.15.
+/// a singular value s by about e / s, so this bounds how much errors are multiplied: at the limit, 1 mm becomes 7 mm per
+/// squared radius. Markers on real faces have 0.68 (90 of them), 0.53 (41), 0.21 (20); 90 markers that follow an
+/// ellipsoid to 1 mm have 0.14.
 pub const UNDETERMINED: f64 = 0.15;
 
 /// Factors that make the norm of a quadratic form's coefficients independent of rotation (Frobenius).
