@@ -26,7 +26,8 @@ pub fn read(path: &Path, unit: Unit) -> Result<Mesh> {
 /// As [`read`].
 pub fn parse(path: &Path, text: &str, unit: Unit) -> Result<Mesh> {
     let mut reader = Reader { mesh: Mesh::default(), scale: unit.in_mm(), face_lines: Vec::new() };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // A byte-order mark in front and NUL bytes behind are what some exporters leave.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches('\0');
     for (number, line) in logical_lines(text) {
         reader.statement(&line, number).map_err(|what| {
             let error = Error::new(path, what).at(format!("line {number}"));

@@ -2,7 +2,7 @@
 
 use crate::Run;
 use anyhow::bail;
-use artifact::{MeshRef, Take, TakeRef, Unit};
+use artifact::{MarkerFrame, MarkerHeader, MeshRef, Stream, Take, TakeRef, Trajectories, Unit};
 use mesh::Mesh;
 use std::path::Path;
 
@@ -23,6 +23,22 @@ impl Run {
         let file = self.input(role, path)?;
         let reference = MeshRef { file, unit, vertex_count: mesh.positions.len() };
         Ok((mesh, reference))
+    }
+}
+
+impl Run {
+    /// Reads a whole take's markers, in millimetres, in any format; what the reader had to let pass becomes warnings.
+    /// `unit` is for formats that do not state theirs. Record the file with [`Run::input`].
+    ///
+    /// # Errors
+    /// If the markers cannot be read.
+    pub fn markers<S>(&mut self, path: &Path, unit: Option<Unit>) -> anyhow::Result<Trajectories>
+    where
+        S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
+    {
+        let (trajectories, warnings) = artifact::read_trajectories::<S>(path, unit)?;
+        warnings.into_iter().for_each(|warning| self.warn(warning));
+        Ok(trajectories)
     }
 }
 

@@ -210,7 +210,6 @@ fn help() {
 }
 
 #[test]
-#[ignore = "this build cannot read picks yet"]
 fn picks_become_a_correspondence() {
     let folder = Folder::new(20);
     std::fs::write(folder.path("picks.csv"), "marker,vertex\nm0,0\nm1,1\n").unwrap();

@@ -189,13 +189,11 @@ impl Both<'_> {
     }
 }
 
-/// The one place that depends on how markers are read.
-fn read_markers(_run: &mut Run, path: &Path, kind: Kind, unit: Option<Unit>) -> anyhow::Result<Trajectories> {
-    let trajectories = match kind {
-        Kind::HeadMarkers => artifact::read_trajectories::<HeadTrajectories>(path, unit)?,
-        _ => artifact::read_trajectories::<Trajectories3d>(path, unit)?,
-    };
-    Ok(trajectories)
+fn read_markers(run: &mut Run, path: &Path, kind: Kind, unit: Option<Unit>) -> anyhow::Result<Trajectories> {
+    match kind {
+        Kind::HeadMarkers => run.markers::<HeadTrajectories>(path, unit),
+        _ => run.markers::<Trajectories3d>(path, unit),
+    }
 }
 
 fn read_image(path: &Path) -> anyhow::Result<DynamicImage> {

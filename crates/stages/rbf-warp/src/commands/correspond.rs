@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 use artifact::Unit;
+use artifact::picks::{self, PickPlace};
 use rbf_warp::{Place, Snapped, correspond};
 use serde::Serialize;
 use stage::Run;
@@ -65,6 +66,9 @@ impl Correspond {
 
 /// Picks of any supported format, in mm.
 fn read_picks(path: &Path, unit: Unit) -> anyhow::Result<Vec<(String, Place)>> {
-    let _ = unit;
-    anyhow::bail!("{}: this build cannot read picks", path.display())
+    let place = |place| match place {
+        PickPlace::Vertex(vertex) => Place::Vertex(vertex),
+        PickPlace::Point(point) => Place::Point(point),
+    };
+    Ok(picks::read(path, unit)?.into_iter().map(|pick| (pick.marker, place(pick.place))).collect())
 }

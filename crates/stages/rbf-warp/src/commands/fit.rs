@@ -1,7 +1,7 @@
 //! `rbf-warp fit`: markers + correspondence + scan → warp.
 
 use anyhow::{Context, bail};
-use artifact::{Correspondence, Unit, WarpFit};
+use artifact::{Correspondence, HeadTrajectories, Unit, WarpFit};
 use rbf_warp::{Degree, FitParams, FittedWarp, RestFrame, Source, fit_warp};
 use stage::Run;
 use std::path::PathBuf;
@@ -62,7 +62,7 @@ impl Fit {
             let file = self.correspondence.display();
             bail!("{file}: {mismatch}\n  to do: give the mesh that was picked on, or pick again on this one");
         }
-        let trajectories = super::read_markers(&self.markers, self.marker_unit)?;
+        let trajectories = run.markers::<HeadTrajectories>(&self.markers, self.marker_unit)?;
         let take = take.map(|(_, reference)| reference);
         let take = super::agreed_take(&self.markers, trajectories.header.take.as_ref(), take)?;
         let source = Source { trajectories: run.input("markers", &self.markers)?, take };

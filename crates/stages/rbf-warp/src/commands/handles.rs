@@ -49,7 +49,7 @@ impl Handles {
         let warp_file = run.input("warp", &self.warp)?;
         let markers = run.input("markers", &self.markers)?;
         let given = self.take.as_deref().map(|take| stage::load_take(run, take)).transpose()?;
-        let stream = MarkerStream::open(&self.markers, self.marker_unit)?;
+        let stream = MarkerStream::open(run, &self.markers, self.marker_unit)?;
         let mut header = stream.header().clone();
         header.take = super::agreed_take(&self.markers, header.take.as_ref(), given.map(|(_, take)| take))?;
         self.check_session(&warp, &markers, header.take.as_ref())?;

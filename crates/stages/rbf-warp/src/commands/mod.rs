@@ -8,16 +8,9 @@ pub(crate) mod handles;
 use artifact::{
     FrameReader, HeadTrajectories, MarkerFrame, MarkerHeader, TakeRef, Trajectories, Unit, is_standard_stream,
 };
+use stage::Run;
 use std::path::Path;
 use std::vec::IntoIter;
-
-/// A take's markers in head space, whole. Formats other than `.jsonl` may not state their unit.
-fn read_markers(path: &Path, unit: Option<Unit>) -> anyhow::Result<Trajectories> {
-    if is_stream(path) {
-        return Ok(Trajectories::read::<HeadTrajectories>(path)?);
-    }
-    Ok(artifact::read_trajectories::<HeadTrajectories>(path, unit)?)
-}
 
 fn is_stream(path: &Path) -> bool {
     is_standard_stream(path) || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"))
@@ -30,11 +23,11 @@ enum MarkerStream {
 }
 
 impl MarkerStream {
-    fn open(path: &Path, unit: Option<Unit>) -> anyhow::Result<Self> {
+    fn open(run: &mut Run, path: &Path, unit: Option<Unit>) -> anyhow::Result<Self> {
         if is_stream(path) {
             return Ok(Self::Lines(FrameReader::open(path)?));
         }
-        let Trajectories { header, frames } = read_markers(path, unit)?;
+        let Trajectories { header, frames } = run.markers::<HeadTrajectories>(path, unit)?;
         Ok(Self::Whole(header, frames.into_iter()))
     }
 
