@@ -40,6 +40,7 @@ mod warp;
 pub mod npy;
 pub mod obj;
 pub mod pc2;
+pub mod png;
 pub mod provenance;
 
 pub use correspondence::{Correspondence, Pair};
@@ -61,5 +62,5 @@ pub use trajectories::{
     HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
     read_trajectories,
 };
-pub use vertices::{VertexMapping, VertexSet};
+pub use vertices::{VertexMapping, VertexPath, VertexSet};
 pub use warp::{Interpolant, Warp, WarpFit};
