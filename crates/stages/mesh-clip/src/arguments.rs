@@ -11,7 +11,8 @@ use std::path::PathBuf;
 /// keep the largest component. A closed cut followed by --keep-largest-component takes out what lies behind closed lips
 /// or lids.
 #[derive(Parser)]
-#[command(version, group = ArgGroup::new("what").required(true).multiple(true))]
+#[command(version, override_usage = "mesh-clip --mesh FILE --unit UNIT --out FILE --map FILE <WHAT GOES>…",
+          group = ArgGroup::new("what").required(true).multiple(true))]
 pub(crate) struct Arguments {
     /// The mesh (.obj, .ply)
     #[arg(long, value_name = "FILE")]

@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use arguments::Arguments;
 use artifact::{Document, MeshRef, VertexMapping, VertexPath, VertexSet, file_name, sha256};
 use mesh_clip::{Clipped, Mask, Params, Picks, clip};
+use serde::Serialize;
 use stage::Run;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +16,8 @@ fn main() -> std::process::ExitCode {
 
 fn work(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let params = parameters(&arguments);
-    run.parameters(&params)?;
+    let cut = arguments.cut.iter().map(|cut| cut.0.clone()).collect();
+    run.parameters(&Recorded { params: &params, cut })?;
     let take = arguments.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
     let by_take = take.map(|(take, _)| take.mesh_unit);
     let stated = [("--unit", arguments.unit), ("the take", by_take)];
@@ -28,6 +30,15 @@ fn work(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let clipped = clip(&mesh, &picks, &params).with_context(|| arguments.mesh.display().to_string())?;
     report(run, &mesh, &clipped, !cuts.is_empty());
     publish(run, &arguments, old, clipped)
+}
+
+/// What the side-car says of the parameters.
+#[derive(Serialize)]
+struct Recorded<'a> {
+    #[serde(flatten)]
+    params: &'a Params,
+    /// Cuts that were given by vertex on the command line.
+    cut: Vec<Vec<u32>>,
 }
 
 fn parameters(arguments: &Arguments) -> Params {
