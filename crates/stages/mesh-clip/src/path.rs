@@ -28,7 +28,7 @@ impl<'a> Edges<'a> {
         Self { mesh, neighbors }
     }
 
-    /// The line through `picks`, the shortest way along edges between each two [Dijkstra1959]. Of two ways of the same
+    /// The line through `picks`, the shortest way along edges between each two (Dijkstra). Of two ways of the same
     /// length the one over lower vertices is taken.
     ///
     /// # Errors
