@@ -47,6 +47,7 @@ pub mod obj;
 pub mod pc2;
 pub mod picks;
 pub mod ply;
+pub mod png;
 pub mod provenance;
 pub mod trc;
 pub mod usda;
@@ -71,5 +72,5 @@ pub use take::{Axis, Clock, Consent, Take, TakeCamera, TakeRef};
 pub use trajectories::{
     HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
 };
-pub use vertices::{VertexMapping, VertexSet};
+pub use vertices::{VertexMapping, VertexPath, VertexSet};
 pub use warp::{Interpolant, Warp, WarpFit};

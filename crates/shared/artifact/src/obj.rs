@@ -26,8 +26,10 @@ pub fn read(path: &Path, unit: Unit) -> Result<Mesh> {
 /// As [`read`].
 pub fn parse(path: &Path, text: &str, unit: Unit) -> Result<Mesh> {
     let mut reader = Reader { mesh: Mesh::default(), scale: unit.in_mm(), face_lines: Vec::new() };
-    // A byte-order mark in front and NUL bytes behind are what some exporters leave.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text).trim_end_matches('\0');
+    // A byte-order mark in front is what some exporters leave. ZBrush ends its files with one zero byte; more of them
+    // are a damaged file.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = text.strip_suffix("\0\n").or(text.strip_suffix('\0')).unwrap_or(text);
     for (number, line) in logical_lines(text) {
         reader.statement(&line, number).map_err(|what| {
             let error = Error::new(path, what).at(format!("line {number}"));
@@ -213,7 +215,7 @@ pub fn write(path: &Path, mesh: &Mesh, unit: Unit) -> Result<Staged> {
 fn write_text(out: &mut impl Write, mesh: &Mesh, unit: Unit) -> std::io::Result<()> {
     let scale = unit.in_mm();
     for (vertex, point) in mesh.positions.iter().enumerate() {
-        let point = point / scale;
+        let point = point.map(|x| in_unit(x, scale));
         write!(out, "v {} {} {}", point.x, point.y, point.z)?;
         match mesh.colors.get(vertex) {
             Some([r, g, b]) => writeln!(out, " {r} {g} {b}")?,
@@ -239,6 +241,18 @@ fn write_text(out: &mut impl Write, mesh: &Mesh, unit: Unit) -> std::io::Result<
         writeln!(out)?;
     }
     Ok(())
+}
+
+/// The number in the file's unit that reads back as `mm`, the shortest of several: a mesh that was read and is written
+/// in the same unit keeps its numbers.
+fn in_unit(mm: f64, scale: f64) -> f64 {
+    let quotient = mm / scale;
+    if scale == 1.0 {
+        return quotient;
+    }
+    let candidates = [quotient, quotient.next_up(), quotient.next_down()];
+    let reads_back = candidates.into_iter().filter(|candidate| candidate * scale == mm);
+    reads_back.min_by_key(|candidate| candidate.to_string().len()).unwrap_or(quotient)
 }
 
 fn keyword(kind: LabelKind) -> &'static str {

@@ -1,0 +1,46 @@
+//! OBJ numbers survive a change of unit; PNG pictures come in as shares of white.
+
+use artifact::{Unit, obj, png};
+use std::path::Path;
+
+const SCAN: &str = "v 0.031877 -0.418213 0.309246\nv 0.1 0.2 0.3\nv -0.000054 1e-7 7.123456\nf 1 2 3\n";
+
+#[test]
+fn a_mesh_written_in_its_own_unit_keeps_its_numbers() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    for unit in [Unit::Mm, Unit::Cm, Unit::M] {
+        let mesh = obj::parse(Path::new("scan.obj"), SCAN, unit).expect("the scan");
+        let path = folder.path().join("again.obj");
+        obj::write(&path, &mesh, unit).and_then(artifact::Staged::publish).expect("written");
+        let text = artifact::read_text(&path).expect("read");
+        assert!(
+            text.starts_with("v 0.031877 -0.418213 0.309246\nv 0.1 0.2 0.3\nv -0.000054 "),
+            "{unit}: {text}"
+        );
+        assert_eq!(obj::read(&path, unit).expect("read"), mesh);
+    }
+}
+
+#[test]
+fn a_file_of_zbrush_ends_with_a_zero_byte_and_no_other_does() {
+    let parse = |text: &str| obj::parse(Path::new("scan.obj"), text, Unit::M);
+    assert!(parse(&format!("{SCAN}\0\n")).is_ok() && parse(&format!("{SCAN}\0")).is_ok());
+    assert!(parse(&format!("{SCAN}\0\0\0\n")).is_err() && parse(&format!("v 1 \0 2\n{SCAN}")).is_err());
+}
+
+#[test]
+fn a_picture_is_read_as_shares_of_white() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let path = folder.path().join("mask.png");
+    let picture = image::GrayImage::from_raw(2, 1, vec![0, 51]).expect("two pixels");
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, image::ImageFormat::Png).expect("a PNG");
+    let write = |bytes: &[u8]| artifact::stage_bytes(&path, bytes).and_then(artifact::Staged::publish);
+    write(bytes.get_ref()).expect("written");
+    let gray = png::read_gray(&path).expect("read");
+    assert_eq!((gray.width, gray.height), (2, 1));
+    assert!(gray.pixels[0] == 0.0 && (gray.pixels[1] - 0.2).abs() < 1e-4);
+    write(&bytes.get_ref()[..40]).expect("cut");
+    let error = png::read_gray(&path).expect_err("a cut picture").to_string();
+    assert!(error.contains("mask.png") && error.contains("PNG"), "{error}");
+}
