@@ -113,7 +113,9 @@ impl Report {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let never = self.never_seen.iter().map(|id| format!("marker {id} is missing in all frames"));
-        let rejected = self.head_marker_rejected.iter().map(|(id, count)| {
+        // Found markers are skin: that they move now and then is no news.
+        let named = (!self.head_markers_found).then_some(&self.head_marker_rejected);
+        let rejected = named.into_iter().flatten().map(|(id, count)| {
             format!("head marker {id} was off its place and left out in {count} of {} frames", self.frames)
         });
         let jumps = self.jumps.iter().map(JumpReport::sentence);

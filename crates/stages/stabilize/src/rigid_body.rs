@@ -13,9 +13,11 @@ const LINE_RATIO: f64 = 0.03;
 /// A marker further from its place than this many times the usual distance has slipped or is another one …
 const GATE_SCALES: f64 = 6.0;
 /// … unless it is nearer than this, mm: skin under a head marker moves that much.
-const GATE_FLOOR_MM: f64 = 2.0;
+const GATE_FLOOR_MM: f64 = 3.0;
 /// Huber's limit in multiples of the usual distance.
 const HUBER_SCALES: f64 = 2.5;
+/// A marker's deviation counts as at least this share of the usual one, so that none outvotes all others.
+const STEADY_SHARE: f64 = 0.5;
 /// Below this movement (mm) the places have converged.
 const CONVERGED_MM: f64 = 1e-6;
 /// Rounds of the places' estimation; real takes need about ten.
@@ -30,6 +32,8 @@ pub(crate) struct RigidBody {
     pub(crate) markers: Vec<usize>,
     /// Their places in body space, mm.
     pub(crate) places: Vec<Point3<f64>>,
+    /// Their weights in a fit, the steadier the more; the usual marker has 1.
+    pub(crate) weights: Vec<f64>,
     /// Median distance of a sample from its place, mm.
     pub(crate) scale_mm: f64,
 }
@@ -58,22 +62,26 @@ impl RigidBody {
         let start = start.ok_or_else(|| Error::NeverSeen(names()))?;
         let mut places: Vec<Option<Point3<f64>>> = markers.iter().map(|&m| start[m]).collect();
         let mut scale = f64::INFINITY;
+        let mut weights = vec![1.0; places.len()];
         for _ in 0..ROUNDS {
-            let samples = body_samples(frames, markers, &places, scale);
+            let samples = body_samples(frames, markers, &places, &weights, scale);
             let shift = move_places(&mut places, &samples, scale);
             let settled = (scale - median_distance(&places, &samples)).abs() < CONVERGED_MM;
             scale = median_distance(&places, &samples).max(SCALE_FLOOR_MM);
+            weights = steadiness(&places, &samples);
             if shift < CONVERGED_MM && settled {
                 break;
             }
         }
         // A marker without a place is never seen with three others: it takes no part.
-        let (markers, places): (Vec<usize>, Vec<Point3<f64>>) =
-            markers.iter().zip(&places).filter_map(|(&m, place)| place.map(|place| (m, place))).unzip();
+        let placed: Vec<(usize, Point3<f64>, f64)> =
+            (0..places.len()).filter_map(|i| Some((markers[i], places[i]?, weights[i]))).collect();
+        let (markers, places): (Vec<usize>, Vec<Point3<f64>>) = placed.iter().map(|p| (p.0, p.1)).unzip();
+        let weights = placed.iter().map(|p| p.2).collect();
         if is_line(&places) {
             return Err(Error::Collinear(names()));
         }
-        Ok(Self { markers, places, scale_mm: scale })
+        Ok(Self { markers, places, weights, scale_mm: scale })
     }
 
     /// The pose in one frame, and which markers it rests on. A marker that is far from its place is left out, if the
@@ -85,33 +93,33 @@ impl RigidBody {
     /// As [`RigidBody::fit`], with the body in another shape.
     pub(crate) fn fit_shape(&self, places: &[Point3<f64>], row: &Row) -> Option<BodyFit> {
         let seen: Vec<_> = self.markers.iter().map(|&m| row[m]).collect();
-        fit(places, &seen, self.scale_mm)
+        fit(places, &seen, &self.weights, self.scale_mm)
     }
 }
 
 /// Robust fit of places to what is seen of them.
-fn fit(places: &[Point3<f64>], seen: &Row, scale: f64) -> Option<BodyFit> {
+fn fit(places: &[Point3<f64>], seen: &Row, weights: &[f64], scale: f64) -> Option<BodyFit> {
     let gate = (GATE_SCALES * scale).max(GATE_FLOOR_MM);
     let mut used: Vec<bool> = seen.iter().map(Option::is_some).collect();
     loop {
-        let pose = fit_weighted(places, seen, &used, scale)?;
+        let pose = fit_weighted(places, seen, weights, &used, scale)?;
         let worst = distances(&pose, places, seen, &used).into_iter().fold(0.0, f64::max);
         if worst <= gate {
             return Some(BodyFit { world_from_body: pose, used });
         }
-        leave_one_out(places, seen, &mut used)?;
+        leave_one_out(places, seen, weights, &mut used)?;
     }
 }
 
 /// Takes out the marker without which the others agree best; `None` if only three are left: each could be wrong.
-fn leave_one_out(places: &[Point3<f64>], seen: &Row, used: &mut [bool]) -> Option<()> {
+fn leave_one_out(places: &[Point3<f64>], seen: &Row, weights: &[f64], used: &mut [bool]) -> Option<()> {
     if used.iter().filter(|&&used| used).count() <= 3 {
         return None;
     }
     let mut best: Option<(f64, usize)> = None;
     for i in (0..used.len()).filter(|&i| used[i]).collect::<Vec<_>>() {
         used[i] = false;
-        let pose = fit_weighted(places, seen, used, f64::INFINITY);
+        let pose = fit_weighted(places, seen, weights, used, f64::INFINITY);
         let square = pose.map(|pose| distances(&pose, places, seen, used).iter().map(|d| d * d).sum::<f64>());
         if let Some(square) = square.filter(|square| best.is_none_or(|(least, _)| *square < least)) {
             best = Some((square, i));
@@ -122,28 +130,46 @@ fn leave_one_out(places: &[Point3<f64>], seen: &Row, used: &mut [bool]) -> Optio
     Some(())
 }
 
-/// Least squares, reweighted by Huber's rule while any distance passes its limit.
-fn fit_weighted(places: &[Point3<f64>], seen: &Row, used: &[bool], scale: f64) -> Option<Isometry3<f64>> {
+/// Weighted least squares, reweighted by Huber's rule while any distance passes its limit.
+fn fit_weighted(
+    places: &[Point3<f64>],
+    seen: &Row,
+    weights: &[f64],
+    used: &[bool],
+    scale: f64,
+) -> Option<Isometry3<f64>> {
     const REWEIGHTINGS: usize = 5;
-    let pairs = || places.iter().zip(seen).zip(used).filter(|(_, used)| **used);
-    let (source, target): (Vec<Point3<f64>>, Vec<Point3<f64>>) =
-        pairs().filter_map(|((place, seen), _)| seen.map(|seen| (*place, seen))).unzip();
-    if source.len() < 3 || is_line(&source) {
+    let seen_used = |i: &usize| used[*i] && seen[*i].is_some();
+    let chosen: Vec<usize> = (0..places.len()).filter(seen_used).collect();
+    let source: Vec<Point3<f64>> = chosen.iter().map(|&i| places[i]).collect();
+    let target: Vec<Point3<f64>> = chosen.iter().filter_map(|&i| seen[i]).collect();
+    if is_line(&source) {
         return None;
     }
-    let mut pose = camera::fit_rigid(&source, &target, None).ok()?;
+    let steady: Vec<f64> = chosen.iter().map(|&i| weights[i]).collect();
+    let mut pose = camera::fit_rigid(&source, &target, Some(&steady)).ok()?;
     for _ in 0..REWEIGHTINGS {
-        let weights: Vec<f64> = source
-            .iter()
-            .zip(&target)
-            .map(|(from, to)| huber_weight((pose * from - to).norm(), HUBER_SCALES * scale))
-            .collect();
-        if weights.iter().all(|weight| *weight == 1.0) {
+        let off = source.iter().zip(&target).map(|(from, to)| (pose * from - to).norm());
+        let huber: Vec<f64> = off.map(|off| huber_weight(off, HUBER_SCALES * scale)).collect();
+        if huber.iter().all(|weight| *weight == 1.0) {
             break;
         }
-        pose = camera::fit_rigid(&source, &target, Some(&weights)).ok()?;
+        let both: Vec<f64> = huber.iter().zip(&steady).map(|(huber, steady)| huber * steady).collect();
+        pose = camera::fit_rigid(&source, &target, Some(&both)).ok()?;
     }
     Some(pose)
+}
+
+/// Per marker the inverse square of its median distance from its place, against the usual marker's.
+fn steadiness(places: &[Option<Point3<f64>>], samples: &[Vec<Vector3<f64>>]) -> Vec<f64> {
+    let deviation = |(place, samples): (&Option<Point3<f64>>, &Vec<Vector3<f64>>)| {
+        place.map_or(0.0, |place| {
+            median(&mut samples.iter().map(|sample| (sample - place.coords).norm()).collect::<Vec<_>>())
+        })
+    };
+    let deviations: Vec<f64> = places.iter().zip(samples).map(deviation).collect();
+    let usual = median(&mut deviations.clone()).max(SCALE_FLOOR_MM);
+    deviations.iter().map(|deviation| (usual / deviation.max(STEADY_SHARE * usual)).powi(2)).collect()
 }
 
 fn distances(pose: &Isometry3<f64>, places: &[Point3<f64>], seen: &Row, used: &[bool]) -> Vec<f64> {
@@ -161,14 +187,16 @@ fn body_samples(
     frames: &[&Row],
     markers: &[usize],
     places: &[Option<Point3<f64>>],
+    weights: &[f64],
     scale: f64,
 ) -> Vec<Vec<Vector3<f64>>> {
     let known: Vec<usize> = (0..places.len()).filter(|&i| places[i].is_some()).collect();
     let known_places: Vec<Point3<f64>> = places.iter().flatten().copied().collect();
+    let known_weights: Vec<f64> = known.iter().map(|&i| weights[i]).collect();
     let mut samples = vec![Vec::new(); places.len()];
     for row in frames {
         let seen: Vec<_> = known.iter().map(|&i| row[markers[i]]).collect();
-        let Some(found) = fit(&known_places, &seen, scale) else { continue };
+        let Some(found) = fit(&known_places, &seen, &known_weights, scale) else { continue };
         let rejected = |i: usize| known.iter().position(|&k| k == i).is_some_and(|k| !found.used[k]);
         for (i, samples) in samples.iter_mut().enumerate() {
             if let Some(point) = row[markers[i]].filter(|_| !rejected(i)) {

@@ -6,10 +6,11 @@ use crate::robust::{geometric_median, median};
 use crate::samples::Samples;
 use nalgebra::{Point3, Vector3};
 
-/// A sample is at a marker's place within this distance, mm …
-const AT_PLACE_MM: f64 = 2.0;
-/// … or within this share of the markers' distance at rest, where that is more.
-const AT_PLACE_SHARE: f64 = 0.25;
+/// A sample is at a marker's place within this distance, mm: markers on a face are at least twice as far apart.
+const AT_PLACE_MM: f64 = 2.5;
+/// A marker's offset from its neighbours is taken from so many of its samples next in time: a single one, beside a
+/// mix-up, may be part of it.
+const OFFSET_SAMPLES: usize = 7;
 /// It is clear whose a sample is if every other free place is this many times further.
 const CLEAR_RATIO: f64 = 2.0;
 /// Fewer frames in a row than this are left alone: a slide passes many places.
@@ -154,17 +155,22 @@ impl<'a> Homes<'a> {
         )
     }
 
-    /// Where the marker would be with the offset that it has where it is seen next.
+    /// Where the marker would be with the offset that it has where it is seen next in time.
     fn place(&self, head: &Samples, marker: usize, f: usize) -> Option<Vector3<f64>> {
         let (at, offsets) = &self.offsets[marker];
-        let after = at.partition_point(|&seen| seen < f);
-        let candidates = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|&k| k < at.len());
-        let nearest = candidates.min_by_key(|&k| at[k].abs_diff(f))?;
-        Some(
-            self.layout.rest[marker]?
-                + self.layout.neighbors_displacement(head, marker, f)
-                + offsets[nearest],
-        )
+        let mut first = at.partition_point(|&seen| seen < f);
+        let mut last = first;
+        while last - first < OFFSET_SAMPLES.min(at.len()) {
+            let before = first.checked_sub(1).map(|k| at[k].abs_diff(f));
+            let after = at.get(last).map(|seen| seen.abs_diff(f));
+            match (before, after) {
+                (Some(before), Some(after)) if before > after => last += 1,
+                (None, _) => last += 1,
+                _ => first -= 1,
+            }
+        }
+        let offset = geometric_median(&offsets[first..last])?;
+        Some(self.layout.rest[marker]? + self.layout.neighbors_displacement(head, marker, f) + offset)
     }
 
     fn away(&self, head: &Samples, marker: usize, f: usize) -> Option<f64> {
@@ -190,10 +196,8 @@ impl<'a> Homes<'a> {
         let mut near: Vec<(f64, usize)> = free.filter_map(|other| Some((distance(other)?, other))).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let &(nearest, other) = near.first()?;
-        let reach =
-            AT_PLACE_MM.max(AT_PLACE_SHARE * self.layout.distance(marker, other)?.min(4.0 * AT_PLACE_MM));
         let is_clear = near.get(1).is_none_or(|next| next.0 > CLEAR_RATIO * nearest);
-        (other != marker && nearest <= reach && is_clear).then_some(other)
+        (other != marker && nearest <= AT_PLACE_MM && is_clear).then_some(other)
     }
 }
 
