@@ -20,6 +20,10 @@ const AWAY_DISTANCES: f64 = 4.0;
 const SLIDE_SHARE: f64 = 0.15;
 /// … and above the usual step times this.
 const SLIDE_STEPS: f64 = 6.0;
+/// A jump away and one back within this time (s) enclose what is wrong, wherever the face is meanwhile.
+const EXCURSION_S: f64 = 1.0;
+/// Back means: within this share of the limit of where it left.
+const BACK_SHARE: f64 = 0.5;
 /// Over a gap a marker may move further: the limit grows by this share per missing frame …
 const GAP_GROWTH: f64 = 0.25;
 /// … up to this many times; and no step is judged over a longer gap than this, s.
@@ -43,9 +47,10 @@ pub(crate) struct Jump {
 /// Takes samples that are off their place out of `head` and says which. `rate`: frames per second.
 ///
 /// Method: a marker's step from one frame to the next is compared with the geometric median of its eight nearest
-/// neighbours' steps. Where the difference passes the limit, the side of the jump that lies further from the marker's
-/// home (its median offset from its neighbours) is off its place, and so are the samples beside it until
-/// the marker is in its usual range again and no more under way.
+/// neighbours' steps. Where the difference passes the limit, the marker jumped. If it jumps back soon, what is between is
+/// off its place. If not, the side of the jump that lies further from the marker's home (its median offset from
+/// its neighbours) is, and so are the samples beside it until the marker is in its usual range again and
+/// no more under way.
 pub(crate) fn take_out(
     head: &mut Samples,
     layout: &Layout,
@@ -101,6 +106,8 @@ struct Track<'a> {
     numbers: &'a [i64],
     /// Frames (positions in the take) where it is seen.
     at: Vec<usize>,
+    /// Its offset from its neighbours, mm.
+    offset: Vec<Vector3<f64>>,
     /// Distance of its offset from home, mm.
     away: Vec<f64>,
     /// Length of the step from the sample before against the neighbours' step, mm; 0 for the first.
@@ -122,7 +129,7 @@ impl<'a> Track<'a> {
             None => 0.0,
         };
         let step = (0..at.len()).map(step).collect();
-        Self { marker, numbers: &head.numbers, at, away, step }
+        Self { marker, numbers: &head.numbers, at, offset, away, step }
     }
 
     /// Frames from the sample before.
@@ -149,7 +156,33 @@ impl<'a> Track<'a> {
             let missing = (self.frames_to(k) - 1) as f64;
             missing <= 0.5 * rate && self.step[k] > limit * (1.0 + GAP_GROWTH * missing).min(GAP_MOST)
         };
-        (1..self.at.len()).filter(|&k| is_jump(k)).map(|k| self.run_beside(k, is_off)).collect()
+        let jumps: Vec<usize> = (1..self.at.len()).filter(|&k| is_jump(k)).collect();
+        self.runs(&jumps, BACK_SHARE * limit, EXCURSION_S * rate, is_off)
+    }
+
+    /// What is off its place around jumps to the samples `jumps`.
+    fn runs(&self, jumps: &[usize], back_mm: f64, longest: f64, is_off: impl Fn(usize) -> bool) -> Vec<Jump> {
+        let mut found = Vec::new();
+        let mut next = 0;
+        while let Some(&away) = jumps.get(next) {
+            let left = self.offset[away - 1];
+            let returns = |&&k: &&usize| (self.offset[k] - left).norm() <= back_mm;
+            let soon =
+                |&&k: &&usize| (self.numbers[self.at[k]] - self.numbers[self.at[away]]) as f64 <= longest;
+            match jumps[next + 1..].iter().take_while(soon).find(returns) {
+                Some(&back) => {
+                    let size_mm = self.step[away].max(self.step[back]);
+                    let frames = (self.at[away], self.at[back - 1]);
+                    found.push(Jump { marker: self.marker, frames, size_mm, is_off: true });
+                    next = jumps.partition_point(|&k| k <= back);
+                }
+                None => {
+                    found.push(self.run_beside(away, &is_off));
+                    next += 1;
+                }
+            }
+        }
+        found
     }
 
     /// The samples off their place on the worse side of the jump to sample `k`.

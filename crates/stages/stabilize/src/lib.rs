@@ -41,6 +41,7 @@ mod jumps;
 mod layout;
 mod local_quadratic;
 mod names;
+mod outcome;
 mod params;
 mod pose;
 mod report;
@@ -52,6 +53,7 @@ mod stabilizer;
 mod swaps;
 
 pub use error::Error;
+pub use outcome::Stabilized;
 pub use params::{JumpLimit, Params, Swaps};
 pub use report::{Gaps, JumpReport, PlaceReport, Report};
-pub use stabilizer::{Stabilized, stabilize};
+pub use stabilizer::stabilize;

@@ -12,24 +12,29 @@ const LEAST_SAMPLES: usize = 4;
 /// `sigma` frames [FanGijbels1996, §3]. Symmetric in time, hence without lag; it keeps positions, speeds and
 /// accelerations. `None` where a sample is missing or has too few others around it.
 pub(crate) fn smooth(samples: &Samples, sigma: f64) -> Samples {
-    let frames = samples.frame_count();
-    let mut points = vec![vec![None; samples.marker_count()]; frames];
-    for marker in 0..samples.marker_count() {
-        let seen = samples.seen(marker);
-        let at: Vec<f64> = seen.iter().map(|&f| samples.numbers[f] as f64).collect();
-        let places: Vec<Vector3<f64>> = samples.of(marker);
-        let (mut first, mut last) = (0, 0);
-        for (k, &f) in seen.iter().enumerate() {
-            while at[k] - at[first] > REACH * sigma {
-                first += 1;
-            }
-            while last + 1 < at.len() && at[last + 1] - at[k] <= REACH * sigma {
-                last += 1;
-            }
-            points[f][marker] = quadratic_at(at[k], sigma, &at[first..=last], &places[first..=last]);
-        }
-    }
+    let columns: Vec<_> =
+        (0..samples.marker_count()).map(|marker| smooth_marker(samples, marker, sigma)).collect();
+    let points =
+        (0..samples.frame_count()).map(|f| columns.iter().map(|column| column[f]).collect()).collect();
     Samples { numbers: samples.numbers.clone(), points }
+}
+
+fn smooth_marker(samples: &Samples, marker: usize, sigma: f64) -> Vec<Option<Point3<f64>>> {
+    let seen = samples.seen(marker);
+    let at: Vec<f64> = seen.iter().map(|&f| samples.numbers[f] as f64).collect();
+    let places: Vec<Vector3<f64>> = samples.of(marker);
+    let mut smoothed = vec![None; samples.frame_count()];
+    let (mut first, mut last) = (0, 0);
+    for (k, &f) in seen.iter().enumerate() {
+        while at[k] - at[first] > REACH * sigma {
+            first += 1;
+        }
+        while last + 1 < at.len() && at[last + 1] - at[k] <= REACH * sigma {
+            last += 1;
+        }
+        smoothed[f] = quadratic_at(at[k], sigma, &at[first..=last], &places[first..=last]);
+    }
+    smoothed
 }
 
 /// The value at `t` of the weighted quadratic.

@@ -1,6 +1,6 @@
 //! The head's pose in every frame: fitted where the markers are seen, bridged where they are missing for a moment.
 
-use crate::rigid_body::{BodyFit, RigidBody, Row};
+use crate::rigid_body::{BodyFit, RigidBody, Row, fit_weighted};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// The pose in one frame.
@@ -70,12 +70,19 @@ fn with_shape_of_neighbours(
     body.fit_shape(&places, &trusted)
 }
 
-/// Bridges gaps of at most `longest` frames: the body's middle moves on a straight line, its rotation on the
-/// shortest arc. Longer gaps, and those at the ends, stay.
-pub(crate) fn bridge_gaps(poses: &mut [Option<Pose>], numbers: &[i64], body: &RigidBody, longest: i64) {
-    let middle: Point3<f64> = (body.places.iter().map(|place| place.coords).sum::<Vector3<f64>>()
-        / body.places.len() as f64)
-        .into();
+/// Bridges gaps of at most `longest` frames, and says that no head marker was used. Longer gaps, and those at the
+/// ends, stay.
+///
+/// While the head markers are hidden the face carries the pose: the markers that are seen throughout are taken to
+/// move slowly in body space, from where they are before the gap to where they are after it, and the pose is fitted
+/// to them. Where too few are seen, the body's middle moves on a straight line and its rotation on the shortest arc.
+pub(crate) fn bridge_gaps(
+    poses: &mut [Option<Pose>],
+    numbers: &[i64],
+    frames: &[&Row],
+    body: &RigidBody,
+    longest: i64,
+) {
     let known: Vec<usize> = (0..poses.len()).filter(|&f| poses[f].is_some()).collect();
     for pair in known.windows(2) {
         let (a, b) = (pair[0], pair[1]);
@@ -83,12 +90,42 @@ pub(crate) fn bridge_gaps(poses: &mut [Option<Pose>], numbers: &[i64], body: &Ri
             continue;
         }
         let (Some(from), Some(to)) = (poses[a].clone(), poses[b].clone()) else { continue };
+        let ends = [(frames[a], from.world_from_body), (frames[b], to.world_from_body)];
         for f in a + 1..b {
             let share = (numbers[f] - numbers[a]) as f64 / (numbers[b] - numbers[a]) as f64;
-            let world_from_body = between(&from.world_from_body, &to.world_from_body, &middle, share);
+            let world_from_body = carried(&ends, frames[f], share)
+                .unwrap_or_else(|| between(&ends[0].1, &ends[1].1, &middle(body), share));
             poses[f] = Some(Pose { world_from_body, used: vec![false; body.markers.len()] });
         }
     }
+}
+
+/// Markers that must be seen throughout for the face to carry the pose.
+const CARRIERS: usize = 6;
+/// What a carrier may usually stray meanwhile, mm.
+const CARRIER_SCALE_MM: f64 = 1.0;
+
+fn carried(ends: &[(&Row, Isometry3<f64>); 2], row: &Row, share: f64) -> Option<Isometry3<f64>> {
+    let in_body = |end: usize, marker: usize| {
+        let (row, pose) = &ends[end];
+        row[marker].map(|point| pose.inverse_transform_point(&point).coords)
+    };
+    let carrier = |marker: usize| {
+        let place = in_body(0, marker)?.lerp(&in_body(1, marker)?, share);
+        Some((Point3::from(place), row[marker]?))
+    };
+    let carriers: Vec<(Point3<f64>, Point3<f64>)> = (0..row.len()).filter_map(carrier).collect();
+    if carriers.len() < CARRIERS {
+        return None;
+    }
+    let (places, seen): (Vec<_>, Vec<_>) =
+        carriers.into_iter().map(|(place, seen)| (place, Some(seen))).unzip();
+    let all = places.len();
+    fit_weighted(&places, &seen, &vec![1.0; all], &vec![true; all], CARRIER_SCALE_MM)
+}
+
+fn middle(body: &RigidBody) -> Point3<f64> {
+    (body.places.iter().map(|place| place.coords).sum::<Vector3<f64>>() / body.places.len() as f64).into()
 }
 
 fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, middle: &Point3<f64>, share: f64) -> Isometry3<f64> {

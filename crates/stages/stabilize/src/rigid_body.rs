@@ -130,8 +130,9 @@ fn leave_one_out(places: &[Point3<f64>], seen: &Row, weights: &[f64], used: &mut
     Some(())
 }
 
-/// Weighted least squares, reweighted by Huber's rule while any distance passes its limit.
-fn fit_weighted(
+/// The transform `seen_from_places`: weighted least squares [Horn1987], reweighted by Huber's rule [Huber1964] while
+/// any distance passes 2.5 `scale`, mm. `None` where fewer than three are used, or they lie on a line.
+pub(crate) fn fit_weighted(
     places: &[Point3<f64>],
     seen: &Row,
     weights: &[f64],
