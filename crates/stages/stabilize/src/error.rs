@@ -18,7 +18,7 @@ pub enum Error {
     TooFewHeadMarkers(Vec<String>),
     /// No names given, and too few markers to look for a rigid group.
     #[error(
-        "{0} markers are seen in half of the frames; at least three are needed to find the head among them"
+        "has {0} markers that are seen in half of the frames; three are needed to find the head among them"
     )]
     TooFewMarkers(usize),
     /// The head markers lie on a line.

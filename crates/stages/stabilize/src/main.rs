@@ -31,17 +31,17 @@ struct Arguments {
     /// Markers to leave out altogether, ids or patterns such as 'Unlabeled*'
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
     drop: Vec<String>,
-    /// Frame at which head space is world space [auto: the first that shows the most markers]
+    /// Frame at which head space is world space; auto: the first that shows the most markers
     #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = reference_frame, allow_hyphen_values = true)]
     reference_frame: ReferenceFrame,
     /// Time scale of the pose's jitter, ms; 0: the pose stays as fitted
-    #[arg(long, value_name = "MS", default_value_t = 60.0)]
+    #[arg(long, value_name = "MS", default_value_t = 60.0, allow_negative_numbers = true)]
     smooth_ms: f64,
     /// Step against its neighbours from which a marker has jumped, mm per frame
     #[arg(long, value_name = "MM|auto|off", default_value = "auto")]
     jump_mm: JumpLimit,
     /// Longest gap that is filled, ms; 0: none
-    #[arg(long, value_name = "MS", default_value_t = 100.0)]
+    #[arg(long, value_name = "MS", default_value_t = 100.0, allow_negative_numbers = true)]
     fill_ms: f64,
     /// Samples under another marker's name: take them out, or give them back where it is clear whose they are
     #[arg(long, value_enum, default_value_t = SwapsArgument::Mend)]
@@ -50,7 +50,7 @@ struct Arguments {
     #[arg(long)]
     keep_head_markers: bool,
     /// Frames to write; poses and places are found from the whole take all the same
-    #[arg(long, value_name = "A-B")]
+    #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
     /// Trajectories to write, in head space (head-trajectories; - for standard output)
     #[arg(long, value_name = "FILE")]
@@ -115,6 +115,7 @@ fn work(run: &mut stage::Run, arguments: Arguments) -> anyhow::Result<()> {
         bail!("--out and --pose are both {}\n  to do: name two files", arguments.out.display());
     }
     let params = arguments.params();
+    params.check()?;
     run.parameters(&params)?;
     let take = input::read(run, &arguments.markers, arguments.unit, arguments.take.as_deref())?;
     let stable = run.timed("stabilize", || stabilize(&take, &params));

@@ -1,4 +1,5 @@
 //! Laws of the stage.
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 mod scene;
 

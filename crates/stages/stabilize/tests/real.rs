@@ -1,4 +1,5 @@
 //! Recorded takes: a singer with six head markers, and two takes of 41 face markers without any.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests too")]
 
 mod scene;
 
