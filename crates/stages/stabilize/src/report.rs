@@ -5,6 +5,9 @@ use crate::swaps::Swap;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Found head markers that stray further than this (mm, root mean square) are no rigid body.
+const SOFT_MM: f64 = 1.5;
+
 /// What was found and done.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Report {
@@ -122,7 +125,11 @@ impl Report {
         let gap = (self.pose_gap_frames > 0).then(|| {
             format!("{} frames have no pose: fewer than three head markers agree there", self.pose_gap_frames)
         });
-        never.chain(rejected).chain(gap).chain(jumps).collect()
+        let soft = (self.head_markers_found && self.residual_rms_mm > SOFT_MM).then(|| {
+            let stray = self.residual_rms_mm;
+            format!("the least deforming markers still stray {stray:.1} mm: this head motion is a guess; name head markers")
+        });
+        never.chain(rejected).chain(soft).chain(gap).chain(jumps).collect()
     }
 }
 

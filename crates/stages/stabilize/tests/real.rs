@@ -117,3 +117,14 @@ fn a_planted_head_motion_changes_no_face() {
         assert!(worst < INVARIANCE_MM, "{worst} mm");
     }
 }
+
+/// A jump away and back while the jaw is open, when the lip is far from its usual place anyhow.
+#[test]
+fn a_jump_of_an_open_mouth_takes_no_more_than_the_jump() {
+    let Some(mut take) = animface("jaw") else { return };
+    let lip = take.marker("Mouth_Down").unwrap();
+    take.frames[431..440].iter_mut().for_each(|frame| frame.points[lip].as_mut().unwrap().z += 25.0);
+    let jumps = stabilize(&take, &Params::default()).unwrap().report.jumps;
+    let found: Vec<_> = jumps.iter().map(|jump| (jump.marker.as_str(), jump.frames, jump.removed)).collect();
+    assert_eq!(found, [("Mouth_Down", [432, 440], true)]);
+}
