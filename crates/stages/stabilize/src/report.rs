@@ -1,0 +1,158 @@
+//! What was found and done: for the summary and the side-car.
+
+use crate::jumps::Jump;
+use crate::swaps::Swap;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Found head markers that stray further than this (mm, root mean square) are no rigid body.
+const SOFT_MM: f64 = 1.5;
+
+/// What was found and done.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Frames of the take.
+    pub frames: usize,
+    /// Markers of the take, those left out not counted.
+    pub markers: usize,
+    /// Head markers that the pose was found from.
+    pub head_markers: Vec<String>,
+    /// Whether they were found, not named.
+    pub head_markers_found: bool,
+    /// The frame at which head space is world space.
+    pub reference_frame: i64,
+    /// Root mean square distance of the head markers from their places on the rigid head, mm.
+    pub residual_rms_mm: f64,
+    /// Root mean square motion of the head markers by which the pose's jitter was taken out, mm.
+    pub jitter_removed_rms_mm: f64,
+    /// Frames without a pose.
+    pub pose_gap_frames: usize,
+    /// Frames whose pose was interpolated over time.
+    pub pose_interpolated_frames: usize,
+    /// Per head marker the frames in which it was seen but not trusted: it had slipped, or was another one.
+    pub head_marker_rejected: BTreeMap<String, usize>,
+    /// Markers that are seen in no frame.
+    pub never_seen: Vec<String>,
+    /// Per marker its missing samples, before and after.
+    pub gaps: BTreeMap<String, Gaps>,
+    /// Samples filled.
+    pub filled_samples: usize,
+    /// Samples taken out because they were off their marker's place.
+    pub removed_samples: usize,
+    /// Samples given to the marker whose place they are at.
+    pub mended_samples: usize,
+    /// Markers that jumped.
+    pub jumps: Vec<JumpReport>,
+}
+
+/// A marker's missing samples. Frames without a pose are not counted here.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Gaps {
+    /// Samples that the take lacks.
+    pub missing: usize,
+    /// … in so many runs.
+    pub runs: usize,
+    /// Samples taken out.
+    pub removed: usize,
+    /// Samples given back to it from under another name.
+    pub mended: usize,
+    /// Samples filled.
+    pub filled: usize,
+    /// Samples that are missing in the end.
+    pub left: usize,
+}
+
+/// A run of samples off their marker's place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JumpReport {
+    /// The marker.
+    pub marker: String,
+    /// First and last frame.
+    pub frames: [i64; 2],
+    /// Largest step against the neighbours, mm.
+    pub step_mm: f64,
+    /// Whether the samples were taken out. If not, both sides of the jump lie in the marker's usual range: look at it.
+    pub removed: bool,
+    /// At whose places they were.
+    pub at_place_of: Vec<PlaceReport>,
+}
+
+/// Samples at another marker's place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlaceReport {
+    /// Whose place.
+    pub marker: String,
+    /// First and last frame.
+    pub frames: [i64; 2],
+    /// Whether the samples were given to it.
+    pub mended: bool,
+}
+
+impl Report {
+    /// Names jumps and swaps by marker and frame.
+    pub(crate) fn tell_jumps(&mut self, jumps: &[Jump], swaps: &[Swap], ids: &[String], numbers: &[i64]) {
+        let span = |frames: (usize, usize)| [numbers[frames.0], numbers[frames.1]];
+        let within = |swap: &&Swap, jump: &Jump| {
+            swap.marker == jump.marker && jump.frames.0 <= swap.frames.0 && swap.frames.1 <= jump.frames.1
+        };
+        let place = |swap: &Swap| PlaceReport {
+            marker: ids[swap.place_of].clone(),
+            frames: span(swap.frames),
+            mended: swap.is_mended,
+        };
+        self.jumps = jumps
+            .iter()
+            .map(|jump| JumpReport {
+                marker: ids[jump.marker].clone(),
+                frames: span(jump.frames),
+                step_mm: jump.size_mm,
+                removed: jump.is_off,
+                at_place_of: swaps.iter().filter(|swap| within(swap, jump)).map(place).collect(),
+            })
+            .collect();
+    }
+
+    /// Sentences that a user should read, each naming marker and frames.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let never = self.never_seen.iter().map(|id| format!("marker {id} is missing in all frames"));
+        // Found markers are skin: that they move now and then is no news.
+        let named = (!self.head_markers_found).then_some(&self.head_marker_rejected);
+        let rejected = named.into_iter().flatten().map(|(id, count)| {
+            format!("head marker {id} was off its place and left out in {count} of {} frames", self.frames)
+        });
+        let jumps = self.jumps.iter().map(JumpReport::sentence);
+        let gap = (self.pose_gap_frames > 0).then(|| {
+            format!("{} frames have no pose: fewer than three head markers agree there", self.pose_gap_frames)
+        });
+        let soft = (self.head_markers_found && self.residual_rms_mm > SOFT_MM).then(|| {
+            let stray = self.residual_rms_mm;
+            format!("the least deforming markers still stray {stray:.1} mm: this head motion is a guess; name head markers")
+        });
+        never.chain(rejected).chain(soft).chain(gap).chain(jumps).collect()
+    }
+}
+
+impl JumpReport {
+    fn sentence(&self) -> String {
+        let [first, last] = self.frames;
+        let (marker, step) = (&self.marker, self.step_mm);
+        if !self.removed {
+            return format!(
+                "marker {marker} jumps by {step:.1} mm at frame {first}, but both sides may be its place: left as it is"
+            );
+        }
+        let places: Vec<String> = self
+            .at_place_of
+            .iter()
+            .map(|place| {
+                let done = if place.mended { ", given to it" } else { "" };
+                format!("; in {}-{} at the place of {}{done}", place.frames[0], place.frames[1], place.marker)
+            })
+            .collect();
+        format!(
+            "marker {marker} is off its place in frames {first}-{last} ({step:.1} mm): taken out{}",
+            places.concat()
+        )
+    }
+}
