@@ -1,4 +1,5 @@
 //! Orderings and factorisations, also on graphs that break naive ones.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use nalgebra::{DMatrix, DVector, Point3};
 use operators::{CsMat, Dirichlet, FactorError, Ordering, bilaplacian, cotan_stiffness, lumped_mass};
@@ -51,7 +52,7 @@ proptest! {
         let dense = dense_solution(&matrix, &handles, &held, &values);
         for ordering in [Ordering::nested_dissection(&matrix, &mesh.positions), Ordering::from_saved(rotated, 64).unwrap()] {
             let system = Dirichlet::factor(&matrix, &handles, &held, &ordering).unwrap();
-            let solved = &system.solve(&[values.clone()])[0];
+            let solved = &system.solve(std::slice::from_ref(&values))[0];
             prop_assert!(solved.iter().zip(&dense).all(|(a, b)| (a - b).abs() < 1e-10));
         }
     }
@@ -99,9 +100,11 @@ fn responses_add_up_to_one_and_the_schur_complement_is_the_energy() {
         assert!((row.iter().sum::<f32>() - 1.0).abs() < 1e-5);
     }
     let values: Vec<f64> = (0..10).map(|i| f64::from(i * i % 7) - 3.0).collect();
-    let field = &system.solve(&[values.clone()])[0];
-    let applied: Vec<f64> =
-        matrix.outer_iterator().map(|row| row.iter().map(|(column, value)| value * field[column]).sum()).collect();
+    let field = &system.solve(std::slice::from_ref(&values))[0];
+    let applied: Vec<f64> = matrix
+        .outer_iterator()
+        .map(|row| row.iter().map(|(column, value)| value * field[column]).sum())
+        .collect();
     let energy: f64 = applied.iter().zip(field).map(|(a, b)| a * b).sum();
     let reduced: f64 = (0..10)
         .flat_map(|i| (0..10).map(move |j| (i, j)))
@@ -129,7 +132,10 @@ fn a_free_part_is_not_positive_definite() {
         // parts before they factor.
         Ok(_) => {}
     }
-    assert!(matches!(Dirichlet::factor(&stiffness, &(0..32).collect::<Vec<_>>(), &[], &ordering), Err(FactorError::NothingFree)));
+    assert!(matches!(
+        Dirichlet::factor(&stiffness, &(0..32).collect::<Vec<_>>(), &[], &ordering),
+        Err(FactorError::NothingFree)
+    ));
 }
 
 /// The saved order is checked.

@@ -87,7 +87,7 @@ proptest! {
         let mesh = bump();
         let shell = shell(&mesh, &HANDLES);
         let rest: Vec<f32> = mesh.positions.iter().flat_map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect();
-        let frame = &shell.basis().0.deform(&rest, &[given.clone()], 0.1)[0];
+        let frame = &shell.basis().0.deform(&rest, std::slice::from_ref(&given), 0.1)[0];
         for (vertex, d) in shell.solve(&given).iter().enumerate() {
             let direct = (mesh.positions[vertex] + d) * 0.1;
             let deformed = Vector3::from_fn(|axis, _| f64::from(frame[vertex * 3 + axis]));

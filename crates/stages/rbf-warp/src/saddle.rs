@@ -1,4 +1,4 @@
-//! The saddle-point system of interpolation by kernels plus polynomials [CarrBeatson2001, Eq. 7].
+//! The saddle-point system of interpolation by kernels plus polynomials [Carr2001, Eq. 7].
 //!
 //! `[Φ B; Bᵀ 0] [w; b] = [y; 0]`, Φᵢⱼ = ‖uᵢ − uⱼ‖³, B = polynomials at the centers. r³ is conditionally positive
 //! definite of order 2, so Φ is positive definite on the null space of Bᵀ as soon as B holds the linear terms: solved by

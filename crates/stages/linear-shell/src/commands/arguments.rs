@@ -1,12 +1,17 @@
 //! What the user may say.
 
 use artifact::{FrameRange, Unit};
-use clap::ValueEnum;
+use clap::{Parser, ValueEnum};
 use linear_shell::{BowTies, FreeComponents, Params};
 use serde::Serialize;
 use std::path::PathBuf;
 
-#[derive(clap::Args)]
+/// Deforms a scan so that it follows marker displacements, as a linear thin shell
+///
+/// Reads a mesh and `handles`; writes a sequence: a PC2 vertex cache in the mesh's unit and an index
+/// (`large-scale`) with its frame numbers.
+#[derive(Parser)]
+#[command(name = "linear-shell", version)]
 pub(crate) struct Arguments {
     /// The scan in its rest pose (.obj, .ply)
     #[arg(long, value_name = "FILE")]
@@ -59,6 +64,14 @@ pub(crate) struct Arguments {
     /// Write the response basis too (response-basis/1 and a .npy beside it)
     #[arg(long, value_name = "FILE.json")]
     pub(crate) basis: Option<PathBuf>,
+    #[command(flatten)]
+    common: stage::Common,
+}
+
+impl stage::Arguments for Arguments {
+    fn common(&self) -> &stage::Common {
+        &self.common
+    }
 }
 
 impl Arguments {

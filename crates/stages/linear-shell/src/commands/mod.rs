@@ -2,10 +2,10 @@
 
 mod arguments;
 mod cache;
-mod deform;
 mod output;
+mod run;
 mod solver;
 mod take;
 
 pub(crate) use arguments::Arguments;
-pub(crate) use deform::deform;
+pub(crate) use run::run;

@@ -17,16 +17,16 @@ use std::collections::BTreeMap;
 /// Frames that are combined in one pass over the response basis.
 const BATCH: usize = 16;
 
-pub(crate) fn deform(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     if let Some(weight) = arguments.soft.filter(|weight| !(weight.is_finite() && *weight > 0.0)) {
         bail!("--soft {weight}: the weight must be a positive number");
     }
     let mut take = HandleTake::open(&arguments.handles, arguments.frames.unwrap_or(FrameRange::ALL))?;
-    let (mesh, mesh_ref) = read_mesh(run, arguments, &take)?;
+    let (mesh, mesh_ref) = read_mesh(run, &arguments, &take)?;
     let handles_file = run.input("handles", &arguments.handles)?;
     let constraints = Constraints {
         handles: take.header.handles.iter().map(|handle| handle.vertex).collect(),
-        held: read_held(run, arguments, &mesh_ref)?,
+        held: read_held(run, &arguments, &mesh_ref)?,
     };
     let params = arguments.params();
     run.parameters(&json!({ "shell": params, "mode": arguments.mode, "soft": arguments.soft }))?;
@@ -37,15 +37,15 @@ pub(crate) fn deform(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()>
     report_survey(run, surface.report());
     report_take(run, &take);
 
-    let cache = Cache::new(arguments, &mesh_ref, &take.header.handles, &constraints, &params)?;
-    let mut solver = Solver::prepare(run, arguments, &cache, &surface, &constraints)?;
+    let cache = Cache::new(&arguments, &mesh_ref, &take.header.handles, &constraints, &params)?;
+    let mut solver = Solver::prepare(run, &arguments, &cache, &surface, &constraints)?;
     if let Some(path) = &arguments.basis {
         let staged = cache.write_basis(path, &solver)?;
         run.publish(staged)?;
     }
     let key = format!("{} {} {:?} {:?}", cache.key(), handles_file.sha256, arguments.frames, arguments.soft);
-    let mut output = Output::start(arguments, &mesh, mesh_ref.unit, &take, &key)?;
-    let findings = animate(run, arguments, &mesh, &surface, &mut take, &mut solver, &mut output)?;
+    let mut output = Output::start(&arguments, &mesh, mesh_ref.unit, &take, &key)?;
+    let findings = animate(run, &arguments, &mesh, &surface, &mut take, &mut solver, &mut output)?;
     findings.report(run, &take, &surface, &constraints);
     let index = LargeScale {
         mesh: mesh_ref,

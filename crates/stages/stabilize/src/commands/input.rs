@@ -12,7 +12,7 @@ pub(crate) fn read(
     unit: Option<Unit>,
     take: Option<&Path>,
 ) -> anyhow::Result<Trajectories> {
-    let mut trajectories = read_markers(run, markers, unit)?;
+    let mut trajectories = run.markers::<Trajectories3d>(markers, unit)?;
     run.input("markers", markers)?;
     let Some(path) = take else { return Ok(trajectories) };
     let (manifest, reference) = stage::load_take(run, path)?;
@@ -34,9 +34,4 @@ pub(crate) fn read(
     header.rate = header.rate.or(Some(manifest.rate));
     header.take = Some(reference);
     Ok(trajectories)
-}
-
-/// The one place that knows how markers of any format are read.
-fn read_markers(_run: &mut Run, path: &Path, unit: Option<Unit>) -> anyhow::Result<Trajectories> {
-    Ok(artifact::read_trajectories::<Trajectories3d>(path, unit)?)
 }

@@ -1,0 +1,43 @@
+//! Read, stabilize, write.
+
+use super::{Arguments, input};
+use anyhow::bail;
+use artifact::{FrameRange, FrameWriter, HeadPose, HeadTrajectories};
+use stabilize::{Stabilized, stabilize};
+use stage::Run;
+
+pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
+    if arguments.out == arguments.pose {
+        bail!("--out and --pose are both {}\n  to do: name two files", arguments.out.display());
+    }
+    let params = arguments.params();
+    params.check()?;
+    run.parameters(&params)?;
+    let take = input::read(run, &arguments.markers, arguments.unit, arguments.take.as_deref())?;
+    let stable = run.timed("stabilize", || stabilize(&take, &params));
+    let stable = stable.map_err(|error| error.in_file(&arguments.markers))?;
+    stable.report.warnings().into_iter().for_each(|warning| run.warn(warning));
+    if let serde_json::Value::Object(results) = serde_json::to_value(&stable.report)? {
+        results.into_iter().for_each(|(key, value)| run.result(&key, value));
+    }
+    write(run, &arguments, &stable)
+}
+
+fn write(run: &mut Run, arguments: &Arguments, stable: &Stabilized) -> anyhow::Result<()> {
+    let range = arguments.frames.unwrap_or(FrameRange::ALL);
+    if !stable.poses.iter().any(|pose| range.contains(pose.frame)) {
+        bail!(
+            "{}: has no frames in {range}\n  to do: choose --frames of the take",
+            arguments.markers.display()
+        );
+    }
+    let mut head = FrameWriter::<HeadTrajectories>::create(&arguments.out, stable.head.header.clone())?;
+    for frame in stable.head.frames.iter().filter(|frame| range.contains(frame.frame)) {
+        head.write(frame)?;
+    }
+    let mut pose = FrameWriter::<HeadPose>::create(&arguments.pose, stable.pose_header.clone())?;
+    for frame in stable.poses.iter().filter(|frame| range.contains(frame.frame)) {
+        pose.write(frame)?;
+    }
+    run.publish(vec![head.finish()?, pose.finish()?])
+}
