@@ -7,10 +7,11 @@ use std::collections::BinaryHeap;
 
 /// Neighbours of a handle that are watched.
 const NEIGHBORS: usize = 4;
-/// Two handles tear the surface when their distance grows to more than this multiple …
-const STRETCH: f64 = 1.7;
+/// Two handles tear the surface when their distance grows to more than this multiple (a lid that closes gets twice as far
+/// from the brow, lips get several times as far from each other) …
+const STRETCH: f64 = 2.2;
 /// … and by more than this, mm, …
-const GROWTH_MM: f64 = 8.0;
+const GROWTH_MM: f64 = 10.0;
 /// … although the way along the surface is no longer than this multiple of the straight one: between the lips of an
 /// open mouth it leads round the corner.
 const DETOUR: f64 = 1.5;
