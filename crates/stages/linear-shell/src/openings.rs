@@ -27,10 +27,22 @@ pub struct Tear {
     pub largest_mm: f64,
 }
 
+/// Share of the frames over which a pair must be torn: a label that slips for a moment tears nothing.
+const SHARE: f64 = 0.02;
+
 /// Watches neighbouring handles over the frames.
 pub struct TearWatch {
     rest: Vec<Point3<f64>>,
-    pairs: Vec<([usize; 2], f64)>,
+    pairs: Vec<Watched>,
+    frames: usize,
+}
+
+/// A pair of neighbours.
+struct Watched {
+    handles: [usize; 2],
+    rest_mm: f64,
+    largest_mm: f64,
+    torn_frames: usize,
 }
 
 impl TearWatch {
@@ -38,7 +50,7 @@ impl TearWatch {
     #[must_use]
     pub fn new(surface: &Surface, vertices: &[u32]) -> Self {
         let rest: Vec<Point3<f64>> = vertices.iter().map(|&vertex| surface.points[vertex as usize]).collect();
-        let mut pairs = Vec::new();
+        let mut pairs: Vec<[usize; 2]> = Vec::new();
         for i in 0..rest.len() {
             let mut others: Vec<usize> = (0..rest.len()).filter(|&j| j != i).collect();
             others.sort_by(|&a, &b| (rest[a] - rest[i]).norm().total_cmp(&(rest[b] - rest[i]).norm()));
@@ -46,31 +58,40 @@ impl TearWatch {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        Self { rest, pairs: pairs.into_iter().map(|pair| (pair, 0.0)).collect() }
+        let watched = |handles: [usize; 2]| {
+            let rest_mm = (rest[handles[0]] - rest[handles[1]]).norm();
+            Watched { handles, rest_mm, largest_mm: 0.0, torn_frames: 0 }
+        };
+        let pairs = pairs.into_iter().map(watched).collect();
+        Self { rest, pairs, frames: 0 }
     }
 
     /// Adds a frame: the displacements of all handles, mm.
     pub fn add(&mut self, handles: &[Vector3<f64>]) {
-        for ([i, j], largest) in &mut self.pairs {
-            let distance = ((self.rest[*i] + handles[*i]) - (self.rest[*j] + handles[*j])).norm();
-            *largest = distance.max(*largest);
+        self.frames += 1;
+        for pair in &mut self.pairs {
+            let [a, b] = pair.handles.map(|handle| self.rest[handle] + handles[handle]);
+            let distance = (a - b).norm();
+            let torn = distance > STRETCH * pair.rest_mm && distance > pair.rest_mm + GROWTH_MM;
+            pair.torn_frames += usize::from(torn);
+            pair.largest_mm = pair.largest_mm.max(distance);
         }
     }
 
     /// The pairs that tear a closed surface, worst first.
     #[must_use]
     pub fn tears(&self, surface: &Surface, vertices: &[u32]) -> Vec<Tear> {
-        let mut tears = Vec::new();
-        for &(handles, largest_mm) in &self.pairs {
-            let rest_mm = (self.rest[handles[0]] - self.rest[handles[1]]).norm();
-            if largest_mm < STRETCH * rest_mm || largest_mm < rest_mm + GROWTH_MM {
-                continue;
-            }
-            let ends = handles.map(|handle| vertices[handle]);
-            if joined_within(surface, ends, DETOUR * rest_mm) {
-                tears.push(Tear { handles, rest_mm, largest_mm });
-            }
-        }
+        let enough = (SHARE * self.frames as f64).ceil().max(1.0) as usize;
+        let torn = |pair: &&Watched| {
+            let ends = pair.handles.map(|handle| vertices[handle]);
+            pair.torn_frames >= enough && joined_within(surface, ends, DETOUR * pair.rest_mm)
+        };
+        let tear = |pair: &Watched| Tear {
+            handles: pair.handles,
+            rest_mm: pair.rest_mm,
+            largest_mm: pair.largest_mm,
+        };
+        let mut tears: Vec<Tear> = self.pairs.iter().filter(torn).map(tear).collect();
         tears.sort_by(|a, b| (b.largest_mm - b.rest_mm).total_cmp(&(a.largest_mm - a.rest_mm)));
         tears
     }
