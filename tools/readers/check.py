@@ -27,7 +27,7 @@ def close(found, wanted):
 
 
 def check_static():
-    import correspondence, provenance, take, vertex_map, vertex_set, warp
+    import correspondence, provenance, take, vertex_map, vertex_path, vertex_set, warp
     manifest = take.read(FIXTURES / "take-1/take.json")
     close(manifest["hz"], 30000 / 1001)
     mesh, markers, vertices, positions = correspondence.read(FIXTURES / "correspondence-1/correspondence.json")
@@ -40,6 +40,7 @@ def check_static():
     weightless = {**fitted, "weights": np.zeros((4, 3))}
     close(warp.apply(weightless, [[1.0, 2.0, 3.0], [-4.0, 5.0, -6.0]]), [[1, 2, 3], [-4, 5, -6]])
     assert vertex_set.read(FIXTURES / "vertex-set-1/vertex-set.json")[2].tolist() == [1, 2, 4]
+    assert vertex_path.read(FIXTURES / "vertex-path-1/vertex-path.json")[2].tolist() == [4, 1, 2]
     _, _, new_from_old, old_from_new = vertex_map.read(FIXTURES / "vertex-map-1/vertex-map.json")
     assert new_from_old.tolist() == [-1, 0, 1, -1, 2] and old_from_new.tolist() == [1, 2, 4]
     record = provenance.read(FIXTURES / "provenance-1/handles.jsonl.prov.json")
@@ -105,6 +106,7 @@ def check_commands():
               "head_pose": "head-pose-1/head-pose.jsonl", "correspondence": "correspondence-1/correspondence.json",
               "warp": "warp-1/warp.json", "handles": "handles-1/handles.jsonl",
               "vertex_set": "vertex-set-1/vertex-set.json", "vertex_map": "vertex-map-1/vertex-map.json",
+              "vertex_path": "vertex-path-1/vertex-path.json",
               "response_basis": "response-basis-1/response-basis.json", "obj": "obj/mesh.obj", "ply": "ply/mesh.ply",
               "large_scale": "large-scale-1/large-scale.json", "pc2": "large-scale-1/sequence.pc2",
               "provenance": "provenance-1/handles.jsonl.prov.json"}

@@ -307,7 +307,7 @@ fn documents_that_make_no_sense_are_refused_with_their_place() {
         new_from_old: vec![Some(0), Some(0), None],
         old_from_new: vec![0],
     };
-    says(&written_refusal(&map), &["new_from_old: keeps 2 vertices, but old_from_new has 1"]);
+    says(&written_refusal(&map), &["old vertex 1: old_from_new does not lead back from its new vertex"]);
 
     let scale =
         LargeScale { mesh: mesh_ref(1), cache: "a.pc2".into(), rate: None, frames: vec![3, 3], take: None };

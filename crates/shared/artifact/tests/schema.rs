@@ -8,7 +8,7 @@ use artifact::provenance::Provenance;
 use artifact::{
     Correspondence, Document, FrameReader, FrameWriter, HandleFrame, Handles, HeadPose, HeadTrajectories,
     LargeScale, MarkerFrame, MeshRef, ResponseBasis, SampleStatus, Stream, Take, Trajectories3d, Unit,
-    VertexMapping, VertexSet, Warp, document_schema, read_document, stream_schema, write_document,
+    VertexMapping, VertexPath, VertexSet, Warp, document_schema, read_document, stream_schema, write_document,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -36,6 +36,7 @@ fn kinds() -> Vec<(String, Value, PathBuf)> {
         document::<Warp>(),
         stream::<Handles>(),
         document::<VertexSet>(),
+        document::<VertexPath>(),
         document::<VertexMapping>(),
         document::<ResponseBasis>(),
         document::<LargeScale>(),
@@ -214,10 +215,13 @@ fn frozen_handles_read() {
 }
 
 #[test]
-fn frozen_vertex_sets_and_maps_read() {
+fn frozen_vertex_sets_paths_and_maps_read() {
     let set: VertexSet = document();
     refers_to_the_mesh(&set.mesh);
     assert_eq!((set.name.as_str(), set.vertices.as_slice()), ("ear", [1, 2, 4].as_slice()));
+    let path: VertexPath = document();
+    refers_to_the_mesh(&path.mesh);
+    assert_eq!((path.name.as_str(), path.vertices.as_slice()), ("mouth", [4, 1, 2].as_slice()));
     let map: VertexMapping = document();
     refers_to_the_mesh(&map.old);
     assert_eq!(map.new_from_old, [None, Some(0), Some(1), None, Some(2)]);
