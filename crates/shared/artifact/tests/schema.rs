@@ -8,7 +8,8 @@ use artifact::provenance::Provenance;
 use artifact::{
     Correspondence, Document, FrameReader, FrameWriter, HandleFrame, Handles, HeadPose, HeadTrajectories,
     LargeScale, MarkerFrame, MeshRef, ResponseBasis, SampleStatus, Stream, Take, Trajectories3d, Unit,
-    VertexMapping, VertexPath, VertexSet, Warp, document_schema, read_document, stream_schema, write_document,
+    VertexMapping, VertexPath, VertexSet, Warp, document_schema, read_document, stream_schema,
+    write_document,
 };
 use serde_json::Value;
 use std::path::PathBuf;

@@ -144,6 +144,9 @@ fn direct_and_basis_and_every_format_agree() {
     let flat: Vec<f32> = third.positions.iter().flat_map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect();
     assert_eq!(flat, basis[2]);
     assert!(folder.path("fields/fields.1008.npy").exists());
+    folder.succeed("--mesh scan.obj --handles handles.jsonl --out layer.json --format usda --up y");
+    let layer = std::fs::read_to_string(folder.path("layer.usda")).unwrap();
+    assert!(layer.contains("upAxis = \"Y\"") && layer.contains("1008:"), "{}", &layer[..400]);
 }
 
 #[test]
@@ -194,6 +197,22 @@ fn threads_and_repeats_change_no_byte() {
             .map(|name| std::fs::read(folder.path(name)).unwrap())
     };
     assert!(made(1) == made(2));
+}
+
+/// Per-frame files are taken over by `--resume` only where they were made from the same inputs.
+#[test]
+fn frames_in_a_folder_are_resumed_or_made_again() {
+    let folder = Folder::new();
+    let run = "--mesh scan.obj --handles handles.jsonl --out frames.json --format obj --resume";
+    folder.succeed(run);
+    let fourth = std::fs::read(folder.path("frames/frames.1004.obj")).unwrap();
+    std::fs::remove_file(folder.path("frames/frames.1004.obj")).unwrap();
+    std::fs::write(folder.path("frames/frames.1001.obj"), "kept").unwrap();
+    folder.succeed(run);
+    assert_eq!(std::fs::read(folder.path("frames/frames.1004.obj")).unwrap(), fourth);
+    assert_eq!(std::fs::read(folder.path("frames/frames.1001.obj")).unwrap(), b"kept");
+    folder.succeed(&format!("{run} --bending 400"));
+    assert_ne!(std::fs::read(folder.path("frames/frames.1001.obj")).unwrap(), b"kept");
 }
 
 /// An interrupted run leaves a file that says so, and `--resume` makes of it what one run would have made.

@@ -1,6 +1,7 @@
 //! What the user may say.
 
-use artifact::{FrameRange, Unit};
+use anyhow::bail;
+use artifact::{Axis, FrameRange, Unit};
 use clap::{Parser, ValueEnum};
 use linear_shell::{BowTies, FreeComponents, Params};
 use serde::Serialize;
@@ -28,6 +29,9 @@ pub(crate) struct Arguments {
     /// Form of the sequence
     #[arg(long, value_enum, default_value_t = Format::Pc2)]
     pub(crate) format: Format,
+    /// The mesh's axis that points up; USD states it
+    #[arg(long, value_enum, required_if_eq("format", "usda"))]
+    up: Option<UpChoice>,
     /// Vertices to keep still, e.g. the neck (vertex-set/1)
     #[arg(long, value_name = "FILE")]
     pub(crate) held: Option<PathBuf>,
@@ -75,6 +79,27 @@ impl stage::Arguments for Arguments {
 }
 
 impl Arguments {
+    /// Refuses what clap cannot see.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        if let Some(weight) = self.soft.filter(|weight| !(weight.is_finite() && *weight > 0.0)) {
+            bail!("--soft {weight}: the weight must be a positive number");
+        }
+        if self.out.extension().is_none_or(|ending| ending != "json") {
+            bail!("{}: --out names the sequence's index; give it the ending .json", self.out.display());
+        }
+        if self.resume && artifact::is_standard_stream(&self.handles) {
+            bail!("--resume: handles from a pipe cannot be recognised again; give a file");
+        }
+        Ok(())
+    }
+
+    pub(crate) fn up(&self) -> Axis {
+        match self.up {
+            Some(UpChoice::Z) => Axis::Z,
+            _ => Axis::Y,
+        }
+    }
+
     pub(crate) fn params(&self) -> Params {
         Params {
             stretching: self.stretching,
@@ -102,6 +127,8 @@ pub(crate) enum Format {
     Ply,
     /// The displacement field, #V × 3 float64 in mm, one NumPy array per frame, in a folder
     Npy,
+    /// One USD layer with the points over time
+    Usda,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
@@ -111,6 +138,12 @@ pub(crate) enum Mode {
     Basis,
     /// Three substitutions per frame; less memory
     Direct,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum UpChoice {
+    Y,
+    Z,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -3,8 +3,7 @@
 use super::Arguments;
 use super::arguments::Format;
 use super::take::HandleTake;
-use anyhow::bail;
-use artifact::{Staged, Unit, pc2};
+use artifact::{Staged, Unit, pc2, usda};
 use mesh::Mesh;
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
@@ -19,6 +18,7 @@ pub(crate) struct Output {
 
 enum Form {
     Cache(pc2::Writer),
+    Usd(Box<usda::Writer>),
     Meshes { folder: PathBuf, ending: &'static str, rest: Mesh },
     Fields { folder: PathBuf },
 }
@@ -32,34 +32,48 @@ impl Output {
         take: &HandleTake,
         key: &str,
     ) -> anyhow::Result<Self> {
-        if arguments.resume && artifact::is_standard_stream(&arguments.handles) {
-            bail!("--resume: handles from a pipe cannot be recognised again; give a file");
-        }
-        let path = match arguments.format {
-            Format::Pc2 => arguments.out.with_extension("pc2"),
-            Format::Obj | Format::Ply | Format::Npy => arguments.out.with_extension(""),
-        };
-        if path == arguments.out {
-            bail!("{}: --out names the index; give it the ending .json", path.display());
-        }
+        let path = arguments.out.with_extension(match arguments.format {
+            Format::Pc2 => "pc2",
+            Format::Usda => "usda",
+            Format::Obj | Format::Ply | Format::Npy => "",
+        });
         let name = artifact::file_name(&path);
-        let (form, already) = match arguments.format {
+        let mut already = 0;
+        let form = match arguments.format {
             Format::Pc2 => {
-                let start = take.frames[0];
+                let (vertices, start) = (rest.positions.len(), take.frames[0]);
                 let (writer, samples) =
-                    pc2::Writer::resumable(&path, rest.positions.len(), start, key, arguments.resume)?;
-                (Form::Cache(writer), samples as usize)
+                    pc2::Writer::resumable(&path, vertices, start, key, arguments.resume)?;
+                already = samples as usize;
+                Form::Cache(writer)
             }
-            Format::Obj => (Form::Meshes { folder: path, ending: "obj", rest: rest.clone() }, 0),
-            Format::Ply => (Form::Meshes { folder: path, ending: "ply", rest: rest.clone() }, 0),
-            Format::Npy => (Form::Fields { folder: path }, 0),
+            Format::Usda => Form::Usd(Box::new(usda::Writer::create(
+                &path,
+                rest,
+                unit,
+                arguments.up(),
+                take.header.rate,
+            )?)),
+            Format::Obj => Form::Meshes { folder: path, ending: "obj", rest: rest.clone() },
+            Format::Ply => Form::Meshes { folder: path, ending: "ply", rest: rest.clone() },
+            Format::Npy => Form::Fields { folder: path },
         };
         let mut output = Self { unit, name, already, form };
-        if arguments.resume && !matches!(output.form, Form::Cache(_)) {
-            output.already =
-                take.frames.iter().take_while(|&&frame| output.frame_path(frame).exists()).count();
+        if let Some(folder) = output.folder().map(Path::to_path_buf) {
+            let same = arguments.resume && same_key(&folder, key);
+            let there = |frame: &&i64| same && output.frame_path(**frame).exists();
+            output.already = take.frames.iter().take_while(there).count();
+            artifact::stage_bytes(&key_path(&folder), key.as_bytes())?.publish()?;
         }
         Ok(output)
+    }
+
+    /// The folder of a sequence that has a file per frame.
+    fn folder(&self) -> Option<&Path> {
+        match &self.form {
+            Form::Meshes { folder, .. } | Form::Fields { folder } => Some(folder),
+            Form::Cache(_) | Form::Usd(_) => None,
+        }
     }
 
     pub(crate) fn unit(&self) -> Unit {
@@ -82,12 +96,11 @@ impl Output {
     }
 
     fn frame_path(&self, frame: i64) -> PathBuf {
-        let (folder, ending) = match &self.form {
-            Form::Meshes { folder, ending, .. } => (folder.as_path(), *ending),
-            Form::Fields { folder } => (folder.as_path(), "npy"),
-            Form::Cache(_) => (Path::new(""), "pc2"),
+        let ending = match &self.form {
+            Form::Meshes { ending, .. } => ending,
+            _ => "npy",
         };
-        folder.join(format!("{}.{frame:04}.{ending}", self.name))
+        self.folder().unwrap_or(Path::new("")).join(format!("{}.{frame:04}.{ending}", self.name))
     }
 
     /// Writes a frame: #V × 3 coordinates in the sequence's unit.
@@ -95,6 +108,7 @@ impl Output {
         let path = self.frame_path(frame);
         match &mut self.form {
             Form::Cache(writer) => writer.write(coordinates),
+            Form::Usd(writer) => writer.write(frame, coordinates),
             Form::Meshes { rest, .. } => {
                 let point = |c: &[f32]| Point3::new(c[0].into(), c[1].into(), c[2].into());
                 rest.positions = coordinates.chunks_exact(3).map(point).collect();
@@ -116,7 +130,17 @@ impl Output {
     pub(crate) fn finish(self) -> artifact::Result<Vec<Staged>> {
         match self.form {
             Form::Cache(writer) => Ok(vec![writer.finish()?]),
+            Form::Usd(writer) => Ok(vec![writer.finish()?]),
             Form::Meshes { .. } | Form::Fields { .. } => Ok(Vec::new()),
         }
     }
+}
+
+/// Whether the frames in a folder were made from the same inputs.
+fn same_key(folder: &Path, key: &str) -> bool {
+    artifact::read_text(&key_path(folder)).is_ok_and(|left| left == key)
+}
+
+fn key_path(folder: &Path) -> PathBuf {
+    folder.join(".made-from")
 }

@@ -18,9 +18,7 @@ use std::collections::BTreeMap;
 const BATCH: usize = 16;
 
 pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
-    if let Some(weight) = arguments.soft.filter(|weight| !(weight.is_finite() && *weight > 0.0)) {
-        bail!("--soft {weight}: the weight must be a positive number");
-    }
+    arguments.check()?;
     let mut take = HandleTake::open(&arguments.handles, arguments.frames.unwrap_or(FrameRange::ALL))?;
     let (mesh, mesh_ref) = read_mesh(run, &arguments, &take)?;
     let handles_file = run.input("handles", &arguments.handles)?;
