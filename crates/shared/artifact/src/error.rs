@@ -88,17 +88,3 @@ impl Violation {
         Error::new(path, self.what).at(self.place)
     }
 }
-
-/// Refuses numbers that are not finite, naming the place.
-///
-/// # Errors
-/// A [`Violation`] at `place` if any number is NaN or infinite.
-pub fn finite<'a>(
-    place: &str,
-    numbers: impl IntoIterator<Item = &'a f64>,
-) -> std::result::Result<(), Violation> {
-    match numbers.into_iter().find(|number| !number.is_finite()) {
-        Some(number) => Err(Violation::new(place, format!("{number} is not a finite number"))),
-        None => Ok(()),
-    }
-}

@@ -23,6 +23,7 @@
 
 mod envelope;
 mod error;
+mod finite;
 mod quantity;
 mod source;
 mod staged;
@@ -31,6 +32,7 @@ mod correspondence;
 mod handles;
 mod head_pose;
 mod large_scale;
+mod marker_file;
 mod markers;
 mod mesh_file;
 mod mesh_sequence;
@@ -57,11 +59,12 @@ pub use envelope::{
     Document, FrameReader, FrameWriter, Kind, Stream, document_schema, read_document, stream_schema,
     write_document,
 };
-pub use error::{Error, Result, Violation, finite};
+pub use error::{Error, Result, Violation};
+pub use finite::finite;
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
 pub use large_scale::LargeScale;
-pub use markers::{read_trajectories, write_trajectories};
+pub use marker_file::{read_trajectories, write_trajectories};
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};

@@ -1,6 +1,6 @@
 //! An animated mesh, read frame by frame: a `large-scale` index with its cache, or a bare PC2 cache.
 
-use crate::mesh_file::ending;
+use crate::source::ending;
 use crate::{Error, LargeScale, MeshRef, Result, Unit, pc2, read_document};
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};

@@ -206,7 +206,7 @@ fn index(word: &str, count: usize) -> std::result::Result<u32, String> {
 /// # Errors
 /// If a number is not finite or the file cannot be written.
 pub fn write(path: &Path, mesh: &Mesh, unit: Unit) -> Result<Staged> {
-    crate::mesh_file::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
+    crate::finite::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
     let mut sink = Sink::create(path)?;
     write_text(&mut sink, mesh, unit).map_err(|cause| Error::io(path, "write", &cause))?;
     sink.finish()

@@ -5,7 +5,7 @@
 //! commas, semicolons or tabs. Which vertex a point means is not decided here.
 
 use crate::source::read_text;
-use crate::{Error, Result, Unit, mesh_file};
+use crate::{Error, Result, Unit, source};
 use nalgebra::Point3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -36,7 +36,7 @@ pub enum PickPlace {
 pub fn read(path: &Path, unit: Unit) -> Result<Vec<Pick>> {
     let text = read_text(path)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let picks = match mesh_file::ending(path).as_str() {
+    let picks = match source::ending(path).as_str() {
         "pp" => read_meshlab(path, text, unit)?,
         "csv" => read_csv(path, text, unit)?,
         _ => {

@@ -4,7 +4,7 @@
 //! samples; the time code is the frame number. Everything is in the unit that the stage states as `metersPerUnit`.
 //! The file is written front to back: only six numbers per frame, its extent, wait for the end.
 
-use crate::{Axis, Consent, Error, Rate, Result, Sink, Staged, Unit, Violation, mesh_file};
+use crate::{Axis, Consent, Error, Rate, Result, Sink, Staged, Unit, Violation, finite};
 use mesh::{Mesh, NO_UV};
 use std::fmt::{Display, Write as _};
 use std::io::Write;
@@ -48,7 +48,7 @@ impl Writer {
     }
 
     fn start(path: &Path, mesh: &Mesh, head: &str, unit: Unit, rate: Option<Rate>) -> Result<Self> {
-        mesh_file::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
+        finite::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
         if let Some(rate) = rate {
             rate.check("rate").map_err(|violation| violation.in_file(path))?;
         }

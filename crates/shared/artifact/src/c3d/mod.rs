@@ -6,6 +6,7 @@
 //! See the guide `docs/marker-formats.md`; the format is described by the user guide of c3d.org.
 
 mod claims;
+mod decision;
 mod layout;
 mod parameters;
 mod points;
@@ -59,7 +60,7 @@ pub fn parse(path: &Path, bytes: &[u8], unit: Option<Unit>) -> Result<C3d> {
     let list = parameter_list(path, bytes)?;
     let parameters = Parameters::parse(bytes, list).map_err(in_file)?;
     let mut warnings = parameters.leniencies();
-    let layout = layout::decide(path, bytes, &parameters, &mut warnings)?;
+    let layout = decision::decide(path, bytes, &parameters, &mut warnings)?;
     let unit_text = parameters.texts("POINT", "UNITS").map_err(in_file)?;
     let unit_text = unit_text.first().map(String::as_str);
     let unit = resolve_unit(path, "parameter POINT:UNITS", unit_text, unit, &mut warnings)?;

@@ -12,7 +12,7 @@ use std::path::Path;
 /// # Errors
 /// If a number is not finite or the file cannot be written.
 pub fn write(path: &Path, mesh: &Mesh, unit: Unit) -> Result<Staged> {
-    crate::mesh_file::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
+    crate::finite::check_finite(mesh).map_err(|violation| violation.in_file(path))?;
     let textures = Textures::of(mesh);
     let mut sink = Sink::create(path)?;
     let mut write = || {

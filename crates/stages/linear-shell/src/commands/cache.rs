@@ -1,7 +1,6 @@
 //! Elimination orders and response bases, kept by content: the same mesh and parameters find them again.
 
 use super::Arguments;
-use super::solver::Solver;
 use anyhow::{Context, bail};
 use artifact::{FileRef, Handle, MeshRef, ResponseBasis, Staged};
 use linear_shell::{Basis, Completion, Constraints, Params};
@@ -65,20 +64,19 @@ impl Cache {
         Ok(Some((Basis::new(values, columns), Completion::new(&header.schur))))
     }
 
-    pub(crate) fn keep_basis(&self, solver: &Solver) -> anyhow::Result<()> {
-        match self.basis_path() {
-            Some(path) => {
-                self.write_basis(&path, solver)?.into_iter().try_for_each(Staged::publish).map_err(Into::into)
-            }
-            None => Ok(()),
-        }
+    pub(crate) fn keep_basis(&self, basis: &Basis, completion: &Completion) -> anyhow::Result<()> {
+        let Some(path) = self.basis_path() else { return Ok(()) };
+        let staged = self.write_basis(&path, basis, completion)?;
+        Ok(staged.into_iter().try_for_each(Staged::publish)?)
     }
 
     /// Stages a basis under any name; the array before the header that refers to it.
-    pub(crate) fn write_basis(&self, path: &Path, solver: &Solver) -> anyhow::Result<Vec<Staged>> {
-        let (Some(basis), Some(completion)) = (solver.basis(), solver.known_completion()) else {
-            bail!("--basis needs --mode basis");
-        };
+    pub(crate) fn write_basis(
+        &self,
+        path: &Path,
+        basis: &Basis,
+        completion: &Completion,
+    ) -> anyhow::Result<Vec<Staged>> {
         let array_path = path.with_extension("npy");
         let array =
             artifact::npy::write(&array_path, [basis.vertex_count(), self.handles.len()], basis.values())?;

@@ -37,8 +37,8 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
 
     let cache = Cache::new(&arguments, &mesh_ref, &take.header.handles, &constraints, &params)?;
     let mut solver = Solver::prepare(run, &arguments, &cache, &surface, &constraints)?;
-    if let Some(path) = &arguments.basis {
-        let staged = cache.write_basis(path, &solver)?;
+    if let (Some(path), Some((basis, completion))) = (&arguments.basis, solver.basis()) {
+        let staged = cache.write_basis(path, basis, completion)?;
         run.publish(staged)?;
     }
     let key = format!("{} {} {:?} {:?}", cache.key(), handles_file.sha256, arguments.frames, arguments.soft);

@@ -46,9 +46,8 @@ impl Solver {
             return Ok(Self { method: Method::Direct(Box::new(shell)), completion: None });
         }
         let (basis, completion) = run.timed("basis", || shell.basis());
-        let solver = Self { method: Method::Basis(basis), completion: Some(completion) };
-        cache.keep_basis(&solver)?;
-        Ok(solver)
+        cache.keep_basis(&basis, &completion)?;
+        Ok(Self { method: Method::Basis(basis), completion: Some(completion) })
     }
 
     /// Where missing and soft handles go; in direct mode found when first asked for.
@@ -66,10 +65,10 @@ impl Solver {
         self.completion.as_ref()
     }
 
-    /// The basis, in basis mode.
-    pub(crate) fn basis(&self) -> Option<&Basis> {
+    /// The basis and its completion, in basis mode.
+    pub(crate) fn basis(&self) -> Option<(&Basis, &Completion)> {
         match &self.method {
-            Method::Basis(basis) => Some(basis),
+            Method::Basis(basis) => self.completion.as_ref().map(|completion| (basis, completion)),
             Method::Direct(_) => None,
         }
     }
