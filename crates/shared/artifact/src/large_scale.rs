@@ -5,15 +5,42 @@ use crate::{Document, Kind, MeshRef, TakeRef, Violation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The index of a mesh sequence without wrinkles. The samples stand in a PC2 file in the same folder, in the rest
-/// mesh's unit.
+/// The form that the samples of a sequence have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SequenceForm {
+    /// One PC2 vertex cache.
+    #[default]
+    Pc2,
+    /// A folder with an OBJ per frame.
+    Obj,
+    /// A folder with a PLY per frame.
+    Ply,
+    /// A folder with a NumPy array of displacements, mm, per frame.
+    Npy,
+    /// One USD layer.
+    Usda,
+}
+
+impl SequenceForm {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+    fn is_pc2(&self) -> bool {
+        *self == Self::Pc2
+    }
+}
+
+/// The index of a mesh sequence without wrinkles. The samples stand in a file or folder beside it, in the rest mesh's
+/// unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LargeScale {
     /// The rest mesh.
     pub mesh: MeshRef,
-    /// File name of the vertex cache, in the same folder.
+    /// Name of the file, or of the folder of per-frame files, with the samples; in the same folder as the index.
     pub cache: String,
+    /// What the samples are; a PC2 cache where nothing is said.
+    #[serde(default, skip_serializing_if = "SequenceForm::is_pc2")]
+    pub form: SequenceForm,
     /// Frames per second; absent where the source did not say.
     pub rate: Option<Rate>,
     /// Absolute frame number of every sample, rising; gaps stay gaps.

@@ -63,14 +63,14 @@ pub use error::{Error, Result, Violation};
 pub use finite::finite;
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
-pub use large_scale::LargeScale;
+pub use large_scale::{LargeScale, SequenceForm};
 pub use marker_file::{read_trajectories, write_trajectories};
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
 pub use response_basis::ResponseBasis;
 pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
-pub use staged::{Sink, Staged, discard_unfinished, is_standard_stream, stage_bytes};
+pub use staged::{Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, stage_bytes};
 pub use take::{Axis, Clock, Consent, Take, TakeCamera, TakeRef};
 pub use trajectories::{
     HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,

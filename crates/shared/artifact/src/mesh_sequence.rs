@@ -1,7 +1,7 @@
 //! An animated mesh, read frame by frame: a `large-scale` index with its cache, or a bare PC2 cache.
 
 use crate::source::ending;
-use crate::{Error, LargeScale, MeshRef, Result, Unit, pc2, read_document};
+use crate::{Error, LargeScale, MeshRef, Result, SequenceForm, Unit, pc2, read_document};
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +50,10 @@ impl MeshSequence {
         if let Some(unit) = unit.filter(|&unit| unit != stated) {
             return Err(Error::new(path, format!("was made with its mesh in {stated}, not in {unit}"))
                 .fix("find out which is right, and say it with --unit"));
+        }
+        if index.form != SequenceForm::Pc2 {
+            let what = format!("is a sequence of {:?} samples; only PC2 caches are read back", index.form);
+            return Err(Error::new(path, what).at("form").fix("make it again with --format pc2"));
         }
         let cache = path.with_file_name(&index.cache);
         let reader = pc2::Reader::open(&cache)?;

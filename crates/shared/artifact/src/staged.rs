@@ -26,6 +26,37 @@ pub fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// Refuses a name that stands for a folder, a pipe or a device: the finished file would take its place.
+fn refuse_special(path: &Path) -> Result<()> {
+    match path.exists() && !path.is_file() {
+        true => {
+            Err(Error::new(path, "exists and is not a file")
+                .fix("give another name, or - for standard output"))
+        }
+        false => Ok(()),
+    }
+}
+
+/// Removes the files `<name>.<anything>.<ending>` of a folder: what an earlier run left there.
+///
+/// # Errors
+/// If the folder cannot be read or a file not removed.
+#[allow(clippy::disallowed_methods, reason = "this is the room where files end")]
+pub fn remove_frames(folder: &Path, name: &str, ending: &str) -> Result<()> {
+    let fail = |cause: std::io::Error| Error::io(folder, "clear the folder", &cause);
+    if !folder.exists() {
+        return Ok(());
+    }
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let entry = entry.map_err(fail)?;
+        let file = entry.file_name().to_string_lossy().into_owned();
+        if file.starts_with(&format!("{name}.")) && file.ends_with(&format!(".{ending}")) {
+            std::fs::remove_file(entry.path()).map_err(fail)?;
+        }
+    }
+    Ok(())
+}
+
 /// A file that is being written. It shows under its name only after [`Sink::finish`] and [`Staged::publish`].
 pub struct Sink {
     path: PathBuf,
@@ -86,6 +117,7 @@ impl Sink {
         if is_standard_stream(path) {
             return Ok(Self { path: path.to_path_buf(), out: Out::Stdout(std::io::stdout()) });
         }
+        refuse_special(path)?;
         let Some(name) = path.file_name() else {
             return Err(Error::new(path, "is not a file name").fix("name a file to write"));
         };
@@ -119,6 +151,7 @@ impl Sink {
     #[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
     pub fn resumable(path: &Path, key: &str, resume: bool, head: u64, block: u64) -> Result<(Self, u64)> {
         refuse_pipe(path)?;
+        refuse_special(path)?;
         let fail = |cause: std::io::Error| Error::io(path, "write", &cause);
         let partial = with_suffix(path, ".partial");
         let key_path = with_suffix(path, ".partial.key");

@@ -309,12 +309,23 @@ fn documents_that_make_no_sense_are_refused_with_their_place() {
     };
     says(&written_refusal(&map), &["old vertex 1: old_from_new does not lead back from its new vertex"]);
 
-    let scale =
-        LargeScale { mesh: mesh_ref(1), cache: "a.pc2".into(), rate: None, frames: vec![3, 3], take: None };
+    let scale = LargeScale {
+        mesh: mesh_ref(1),
+        cache: "a.pc2".into(),
+        form: artifact::SequenceForm::Pc2,
+        rate: None,
+        frames: vec![3, 3],
+        take: None,
+    };
     says(&written_refusal(&scale), &["a.json, frames: frame 3 follows frame 3; they must rise"]);
     let elsewhere = LargeScale { cache: "../a.pc2".into(), frames: vec![], ..scale.clone() };
     says(&written_refusal(&elsewhere), &["a.json, cache: must be a file name in the same folder"]);
-    let timeless = LargeScale { rate: Some(Rate { frames: 0, seconds: 1 }), frames: vec![], ..scale };
+    let timeless = LargeScale {
+        form: artifact::SequenceForm::Pc2,
+        rate: Some(Rate { frames: 0, seconds: 1 }),
+        frames: vec![],
+        ..scale
+    };
     says(&written_refusal(&timeless), &["a.json, rate: 0 frames in 1 seconds is no rate"]);
 }
 

@@ -13,7 +13,14 @@ fn write(folder: &Path, frames: Vec<i64>, vertex_count: usize) {
     cache.finish().unwrap().publish().unwrap();
     let file = FileRef { name: "rest.obj".into(), sha256: "0".repeat(64) };
     let mesh = MeshRef { file, unit: Unit::Cm, vertex_count };
-    let index = LargeScale { mesh, cache: "take.pc2".into(), rate: None, frames, take: None };
+    let index = LargeScale {
+        mesh,
+        cache: "take.pc2".into(),
+        form: artifact::SequenceForm::Pc2,
+        rate: None,
+        frames,
+        take: None,
+    };
     artifact::write_document(&folder.join("take.json"), &index).unwrap().publish().unwrap();
 }
 

@@ -6,18 +6,19 @@ use sprs::{CsMat, TriMat};
 /// Triangles whose shape had to be tempered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Slivers {
-    /// Cotangents cut to the limit.
-    pub clamped_cotangents: usize,
-    /// Triangles without area, left out.
-    pub without_area: usize,
+    /// Triangles whose cotangents were scaled down to the limit.
+    pub tempered: usize,
+    /// Triangles whose corners lie in one place, left out.
+    pub collapsed: usize,
 }
 
 /// Cotangent stiffness `L` [Meyer2003, Eq. 8; integrated]: `L_ij = −(cot αᵢⱼ + cot βᵢⱼ)/2`, rows sum to zero, so
 /// that `uᵀ L u = ∫ ‖∇u‖²` for piecewise linear u.
 ///
 /// `points`: #V, any unit; `triangles`: #F. The result is #V × #V, positive semi-definite, without unit.
-/// Obtuse triangles keep their negative cotangents; only beyond `cotangent_limit` (needles of a hundredth of a degree
-/// for 1e4) they are cut, since they would drown everything else in rounding. Triangles without area are left out.
+/// Obtuse triangles keep their negative cotangents. Only needles and caps with a cotangent beyond `cotangent_limit`
+/// (angles of a hundredth of a degree for 1e4), which would drown everything else in rounding, have all three of theirs
+/// scaled down to it: cut one by one, they would make the matrix indefinite.
 #[must_use]
 pub fn cotan_stiffness(
     points: &[Point3<f64>],
@@ -28,17 +29,18 @@ pub fn cotan_stiffness(
     let mut slivers = Slivers::default();
     for triangle in triangles {
         let corner = triangle.map(|vertex| points[vertex as usize]);
-        let double_area = (corner[1] - corner[0]).cross(&(corner[2] - corner[0])).norm();
-        if double_area == 0.0 {
-            slivers.without_area += 1;
+        let spokes = |i: usize| (corner[(i + 1) % 3] - corner[i], corner[(i + 2) % 3] - corner[i]);
+        let dots: [f64; 3] = std::array::from_fn(|i| spokes(i).0.dot(&spokes(i).1));
+        let double_area = spokes(0).0.cross(&spokes(0).1).norm();
+        let least_area = dots.iter().fold(0.0, |largest: f64, dot| largest.max(dot.abs())) / cotangent_limit;
+        if least_area == 0.0 {
+            slivers.collapsed += 1;
             continue;
         }
+        slivers.tempered += usize::from(double_area < least_area);
         for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let cotangent = (corner[j] - corner[i]).dot(&(corner[k] - corner[i])) / double_area;
-            slivers.clamped_cotangents += usize::from(cotangent.abs() > cotangent_limit);
-            let weight = 0.5 * cotangent.clamp(-cotangent_limit, cotangent_limit);
-            let (j, k) = (triangle[j] as usize, triangle[k] as usize);
+            let weight = 0.5 * dots[i] / double_area.max(least_area);
+            let (j, k) = (triangle[(i + 1) % 3] as usize, triangle[(i + 2) % 3] as usize);
             entries.add_triplet(j, k, -weight);
             entries.add_triplet(k, j, -weight);
             entries.add_triplet(j, j, weight);

@@ -58,6 +58,15 @@ proptest! {
         prop_assert!((energy(&stiffness, &field) - (a * a + b * b) * area).abs() < 1e-9 * area);
     }
 
+    /// However flat a triangle: no field has negative energy.
+    #[test]
+    fn slivers_leave_the_stiffness_positive(height in -12.0..0.0f64, along in -0.5..1.5f64, field in prop::array::uniform3(-1.0..1.0f64)) {
+        let points = [[0., 0., 0.], [1., 0., 0.], [along, 10f64.powf(height), 0.]].map(Point3::from);
+        let (stiffness, _) = cotan_stiffness(&points, &[[0, 1, 2]], LIMIT);
+        let scale: f64 = stiffness.data().iter().map(|value| value.abs()).sum();
+        prop_assert!(energy(&stiffness, &field) >= -1e-12 * scale);
+    }
+
     /// The stiffness does not change with the mesh's size; the bending part falls with its square.
     #[test]
     fn sizes_scale_as_the_units_say(size in 0.1..10.0f64, field in prop::collection::vec(-1.0..1.0f64, 81)) {
@@ -89,12 +98,13 @@ fn the_regular_grid_gives_the_five_point_stencil() {
     assert_eq!(slivers, operators::Slivers::default());
 }
 
-/// Needles are tempered, flat triangles left out, both counted.
+/// Needles and caps are tempered, triangles that are points left out, both counted.
 #[test]
 fn slivers_are_counted() {
-    let points = [[0., 0., 0.], [1., 0., 0.], [0.5, 1e-7, 0.], [2., 0., 0.]].map(Point3::from);
-    let (stiffness, slivers) = cotan_stiffness(&points, &[[0, 1, 2], [0, 3, 1]], LIMIT);
-    assert_eq!((slivers.without_area, slivers.clamped_cotangents), (1, 3));
+    let points = [[0., 0., 0.], [1., 0., 0.], [0.5, 1e-7, 0.], [2., 0., 0.], [0., 0., 0.], [0., 0., 0.]]
+        .map(Point3::from);
+    let (stiffness, slivers) = cotan_stiffness(&points, &[[0, 1, 2], [0, 3, 1], [0, 4, 5]], LIMIT);
+    assert_eq!((slivers.collapsed, slivers.tempered), (1, 2));
     assert!(stiffness.data().iter().all(|value| value.is_finite() && value.abs() <= 2.0 * LIMIT));
     assert!(lumped_mass(&points, &[[0, 1, 2]]).iter().all(|&area| area > 0.0));
 }

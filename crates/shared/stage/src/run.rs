@@ -1,12 +1,13 @@
 //! One run of a stage: what it read, how it was told to work, what came out.
 
 use crate::{Common, Progress};
+use anyhow::bail;
 use artifact::provenance::{self, Provenance};
 use artifact::{FileRef, Staged};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A run in progress: the record that ends up in the side-cars and in the summary.
@@ -16,6 +17,8 @@ pub struct Run {
     warnings: Vec<String>,
     seconds: Map<String, Value>,
     outputs: Vec<String>,
+    /// Where the inputs are, so that no output is written over one.
+    input_paths: Vec<PathBuf>,
     summary_to_stderr: bool,
     objection: Option<String>,
 }
@@ -29,8 +32,9 @@ impl Run {
             inputs: Map::new(),
             results: Map::new(),
         };
-        let (warnings, seconds, outputs) = Default::default();
-        Self { common, record, warnings, seconds, outputs, summary_to_stderr: false, objection: None }
+        let (warnings, seconds, outputs, input_paths) = Default::default();
+        let (summary_to_stderr, objection) = Default::default();
+        Self { common, record, warnings, seconds, outputs, input_paths, summary_to_stderr, objection }
     }
 
     /// The stage's name.
@@ -64,6 +68,7 @@ impl Run {
         };
         let file = FileRef { name: artifact::file_name(path), sha256 };
         self.record.add_input(role, &file);
+        self.input_paths.push(path.to_path_buf());
         Ok(file)
     }
 
@@ -114,22 +119,45 @@ impl Run {
         Progress::start(what, total, self.common.quiet)
     }
 
-    /// Shows outputs under their names, each with its side-car. Nothing shows before everything is written.
+    /// Shows outputs under their names, each followed by its side-car. Nothing shows before everything is written, and
+    /// nothing is written over an input or over another output.
     ///
     /// # Errors
-    /// If a side-car cannot be written or a file not renamed.
+    /// If an output's name is taken, a side-car cannot be written or a file not renamed.
     pub fn publish(&mut self, outputs: Vec<Staged>) -> anyhow::Result<()> {
-        let beside = |output: &&Staged| output.temporary().is_some();
-        let side_cars: Vec<Staged> = outputs
-            .iter()
-            .filter(beside)
-            .map(|output| provenance::write(output.path(), &self.record))
-            .collect::<artifact::Result<_>>()?;
-        side_cars.into_iter().try_for_each(Staged::publish)?;
-        for output in outputs {
+        let named = outputs.iter().filter(|output| output.temporary().is_some());
+        self.check_outputs(&named.map(Staged::path).collect::<Vec<_>>())?;
+        let side_car = |output: Staged| {
+            let side_car = output.temporary().map(|_| provenance::write(output.path(), &self.record));
+            Ok((output, side_car.transpose()?))
+        };
+        let staged: Vec<(Staged, Option<Staged>)> =
+            outputs.into_iter().map(side_car).collect::<artifact::Result<_>>()?;
+        for (output, side_car) in staged {
             self.summary_to_stderr |= output.temporary().is_none();
             self.outputs.push(output.path().display().to_string());
             output.publish()?;
+            side_car.map_or(Ok(()), Staged::publish)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses names of outputs that would take the place of an input or of each other. [`Run::publish`] asks by itself;
+    /// a stage that works for long asks before it starts.
+    ///
+    /// # Errors
+    /// Names the output.
+    pub fn check_outputs(&self, paths: &[&Path]) -> anyhow::Result<()> {
+        for (i, path) in paths.iter().enumerate() {
+            if self.input_paths.iter().any(|input| same_file(input, path)) {
+                bail!(
+                    "{}: would be written over an input\n  to do: give the output another name",
+                    path.display()
+                );
+            }
+            if paths[..i].iter().any(|other| same_file(other, path)) {
+                bail!("{}: is the name of two outputs\n  to do: name two files", path.display());
+            }
         }
         Ok(())
     }
@@ -179,6 +207,15 @@ impl Run {
         self.outputs.iter().for_each(|output| self.print(&format!("  → {output}")));
         Ok(())
     }
+}
+
+/// Whether two paths name one file, also where it is still to be made.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| -> Option<PathBuf> {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        path.canonicalize().ok().or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
+    };
+    a == b || place(a).is_some_and(|a| place(b) == Some(a))
 }
 
 /// Numbers for people: four significant digits.

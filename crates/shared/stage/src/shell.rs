@@ -60,15 +60,15 @@ pub fn run<A: Arguments>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()>) -
 }
 
 /// On Ctrl-C or a request to terminate: no temporary file stays, and the exit code says so.
-#[allow(
-    clippy::disallowed_methods,
-    clippy::print_stderr,
-    reason = "this is where an interrupted process ends"
-)]
+#[allow(clippy::disallowed_methods, reason = "this is where an interrupted process ends")]
 fn on_interrupt(name: String) {
     let stop = move || {
         artifact::discard_unfinished();
-        eprintln!("\n{name}: interrupted; no unfinished output was kept");
+        // Where even standard error is closed, the exit code remains.
+        let _ = writeln!(
+            std::io::stderr(),
+            "\n{name}: interrupted; nothing unfinished stays under a finished name"
+        );
         std::process::exit(130);
     };
     // Without a handler the process still stops; only its temporary files stay, under names that say so.

@@ -138,6 +138,7 @@ fn write_truth(
     let index = LargeScale {
         mesh,
         cache: file_name(&cache),
+        form: artifact::SequenceForm::Pc2,
         rate: Some(performance.rate),
         frames: performance.frames(),
         take: Some(take.clone()),

@@ -62,8 +62,14 @@ fn folder() -> TempDir {
         let file = FileRef { name: "a.obj".into(), sha256: artifact::sha256(&at("a.obj")).unwrap() };
         let mesh = MeshRef { file, unit: Unit::Cm, vertex_count: 4 };
         let frames = if name == "a" { vec![1, 2, 5] } else { vec![2, 5, 6] };
-        let index =
-            LargeScale { mesh: mesh.clone(), cache: format!("{name}.pc2"), rate: None, frames, take: None };
+        let index = LargeScale {
+            mesh: mesh.clone(),
+            cache: format!("{name}.pc2"),
+            form: artifact::SequenceForm::Pc2,
+            rate: None,
+            frames,
+            take: None,
+        };
         artifact::write_document(&at(&format!("{name}.json")), &index).unwrap().publish().unwrap();
         markers(&at(&format!("{name}-markers.jsonl")), z);
         handles(&at(&format!("{name}-handles.jsonl")), &mesh, if name == "a" { 1 } else { 2 }, z);

@@ -81,10 +81,13 @@ pub enum Error {
         vertex_count: usize,
     },
     /// The system could not be factored.
-    #[error("the shell cannot be solved: {0}")]
+    #[error(
+        "the shell cannot be solved with these handles; with a larger --stretching, or more handles, the surface is \
+         better determined"
+    )]
     Factor(#[from] operators::FactorError),
     /// A saved order of another mesh.
-    #[error("the saved elimination order does not fit the mesh: {0}")]
+    #[error("the saved elimination order does not fit the mesh")]
     Ordering(#[from] operators::NotAPermutation),
     /// A frame without a single marker.
     #[error("no handle has a value")]

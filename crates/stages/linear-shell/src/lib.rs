@@ -40,7 +40,7 @@ mod surface;
 pub use basis::Basis;
 pub use completion::Completion;
 pub use error::Error;
-pub use leave_one_out::LeaveOneOut;
+pub use leave_one_out::{HandleError, LeaveOneOut};
 pub use openings::{Tear, TearWatch};
 pub use params::{BowTies, FreeComponents, Params};
 pub use shell::{Constraints, Shell};

@@ -20,10 +20,10 @@ pub struct Survey {
     pub bow_ties: usize,
     /// Parts without a handle that are held still.
     pub held_components: usize,
-    /// Triangles without area, left out.
-    pub triangles_without_area: usize,
-    /// Cotangents cut to the limit.
-    pub clamped_cotangents: usize,
+    /// Needle triangles whose cotangents were scaled down to the limit.
+    pub tempered_triangles: usize,
+    /// Triangles whose corners lie in one place, left out.
+    pub collapsed_triangles: usize,
     /// Lengths of the boundary loops inside the surface (all but the longest), mm, longest first.
     pub openings_mm: Vec<f64>,
 }
@@ -57,15 +57,15 @@ impl Surface {
         let (laplacian, slivers) = cotan_stiffness(&mesh.positions, &triangles, params.cotangent_limit);
         let mass = lumped_mass(&mesh.positions, &triangles);
         let stiffness = bilaplacian(&laplacian, &mass, params.stretching, params.bending_mm2);
-        let Slivers { clamped_cotangents, without_area } = slivers;
+        let Slivers { tempered, collapsed } = slivers;
         let survey = Survey {
             vertices: mesh.positions.len(),
             triangles: triangles.len(),
             unreferenced_vertices: unreferenced.len(),
             bow_ties,
             held_components,
-            triangles_without_area: without_area,
-            clamped_cotangents,
+            tempered_triangles: tempered,
+            collapsed_triangles: collapsed,
             openings_mm: opening_lengths(&around, &mesh.positions),
         };
         Ok(Self { points: mesh.positions.clone(), stiffness, still, around, survey })

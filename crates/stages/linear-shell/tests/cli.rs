@@ -215,38 +215,27 @@ fn frames_in_a_folder_are_resumed_or_made_again() {
     assert_ne!(std::fs::read(folder.path("frames/frames.1001.obj")).unwrap(), b"kept");
 }
 
-/// An interrupted run leaves a file that says so, and `--resume` makes of it what one run would have made.
+/// A run that could not finish leaves a file that says so, and `--resume` makes of it what one run would have made,
+/// side-cars included.
 #[test]
-fn an_interrupted_run_is_resumed() {
+fn an_unfinished_run_is_resumed() {
     let folder = Folder::new();
-    folder.handles("handles.jsonl", &folder.mesh, &folder.frames(6)[..5]);
-    let good = std::fs::read_to_string(folder.path("handles.jsonl")).unwrap();
     folder.succeed(RUN);
-    let whole = std::fs::read(folder.path("face.pc2")).unwrap();
-    std::fs::remove_file(folder.path("face.pc2")).unwrap();
-    // What a killed run leaves: the first samples under the partial name, the last one torn.
-    let key_run = folder.run(&format!("{RUN} --resume"));
-    assert!(key_run.status.success());
-    let sample = 169 * 12;
-    let mut reader_key = None;
-    // Run with a full take whose output cannot be finished: the folder of the final name is taken by a directory.
-    std::fs::remove_file(folder.path("face.pc2")).unwrap();
-    std::fs::create_dir(folder.path("face.pc2")).unwrap();
-    let blocked = folder.run(RUN);
-    assert_eq!(blocked.status.code(), Some(1));
-    if let Ok(key) = std::fs::read_to_string(folder.path("face.pc2.partial.key")) {
-        reader_key = Some(key);
-    }
-    let key = reader_key.expect("an unfinished cache stays, with its key");
-    assert!(!key.is_empty());
-    std::fs::remove_dir(folder.path("face.pc2")).unwrap();
-    std::fs::write(folder.path("face.pc2.partial"), &whole[..32 + 2 * sample + 100]).unwrap();
+    let outputs = ["face.pc2", "face.pc2.prov.json", "face.json", "face.json.prov.json"];
+    let whole = outputs.map(|name| std::fs::read(folder.path(name)).unwrap());
+    outputs.iter().for_each(|name| std::fs::remove_file(folder.path(name)).unwrap());
+    assert_eq!(full_disk(&folder, 8).status.code(), Some(1));
+    assert!(folder.path("face.pc2.partial").exists() && !folder.path("face.pc2").exists());
     let resumed = folder.run(&format!("{RUN} --resume"));
     let message = String::from_utf8_lossy(&resumed.stderr);
-    assert!(resumed.status.success() && message.contains("2 frames are there already"), "{message}");
-    assert_eq!(std::fs::read(folder.path("face.pc2")).unwrap(), whole);
-    assert!(!folder.path("face.pc2.partial.key").exists());
-    assert_eq!(std::fs::read_to_string(folder.path("handles.jsonl")).unwrap(), good);
+    assert!(resumed.status.success() && message.contains("frames are there already"), "{message}");
+    assert!(outputs.map(|name| std::fs::read(folder.path(name)).unwrap()) == whole);
+    assert!(!folder.path("face.pc2.partial").exists() && !folder.path("face.pc2.partial.key").exists());
+    // What was left by a run on other handles is not continued.
+    assert_eq!(full_disk(&folder, 8).status.code(), Some(1));
+    folder.handles("handles.jsonl", &folder.mesh, &folder.frames(5));
+    let other = folder.run(&format!("{RUN} --resume"));
+    assert!(other.status.success() && !String::from_utf8_lossy(&other.stderr).contains("there already"));
 }
 
 #[test]
@@ -300,21 +289,59 @@ fn broken_meshes_are_refused_with_what_to_do() {
     assert!(summary["warnings"].to_string().contains("parts of the mesh have no handle"));
 }
 
+/// Runs with a limit on the size of files, KiB: writing past it fails as on a full disk.
+fn full_disk(folder: &Folder, limit: u32) -> Output {
+    let program = assert_cmd::cargo::cargo_bin("linear-shell");
+    let script = format!("ulimit -f {limit}; trap '' XFSZ; exec '{}' {RUN} --quiet", program.display());
+    let mut bash = std::process::Command::new("bash");
+    bash.args(["-c", &script]).current_dir(folder.root.path()).output().unwrap()
+}
+
 #[test]
 fn a_full_disk_leaves_nothing_that_looks_complete() {
     let folder = Folder::new();
-    // A file size limit stands for the full disk: writing past it fails in the same way.
-    let program = assert_cmd::cargo::cargo_bin("linear-shell");
-    let script = format!("ulimit -f 4; trap '' XFSZ; exec '{}' {RUN} --quiet", program.display());
-    let output = std::process::Command::new("bash")
-        .args(["-c", &script])
-        .current_dir(folder.root.path())
-        .output()
-        .unwrap();
+    let output = full_disk(&folder, 4);
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("face.pc2"), "{message}");
     assert!(!folder.path("face.pc2").exists() && !folder.path("face.json").exists());
+}
+
+/// No output is written over an input, over another output, or over what is no file.
+#[test]
+fn names_that_are_taken_are_refused() {
+    let folder = Folder::new();
+    std::fs::copy(folder.path("handles.jsonl"), folder.path("take.json")).unwrap();
+    folder.refuse(
+        "--mesh scan.obj --handles take.json --out ./take.json",
+        &["take.json", "written over an input"],
+    );
+    assert_eq!(
+        folder.run("--mesh scan.obj --handles handles.jsonl --out a.json --basis a.json").status.code(),
+        Some(1)
+    );
+    std::fs::create_dir(folder.path("face.pc2")).unwrap();
+    folder.refuse(RUN, &["face.pc2", "exists and is not a file"]);
+}
+
+/// A damaged basis in the cache is noticed and made again.
+#[test]
+fn a_damaged_cache_is_made_again() {
+    let folder = Folder::new();
+    folder.succeed(&format!("{RUN} --cache kept"));
+    let good = std::fs::read(folder.path("face.pc2")).unwrap();
+    for entry in std::fs::read_dir(folder.path("kept")).unwrap() {
+        let path = entry.unwrap().path();
+        let mut bytes = std::fs::read(&path).unwrap();
+        if path.extension().is_some_and(|ending| ending == "npy") {
+            let end = bytes.len();
+            bytes[end - 40..].fill(0);
+            std::fs::write(&path, bytes).unwrap();
+        }
+    }
+    let summary = folder.succeed(&format!("{RUN} --cache kept"));
+    assert!(summary["warnings"].to_string().contains("made again"), "{}", summary["warnings"]);
+    assert_eq!(std::fs::read(folder.path("face.pc2")).unwrap(), good);
 }
 
 #[test]

@@ -44,6 +44,7 @@ fn folder() -> TempDir {
     let index = LargeScale {
         mesh: MeshRef { file, unit: Unit::Cm, vertex_count: rest.positions.len() },
         cache: "take.pc2".into(),
+        form: artifact::SequenceForm::Pc2,
         rate: None,
         frames: vec![1001, 1002, 1005, 1006],
         take: None,

@@ -1,7 +1,7 @@
 //! What the user may say.
 
 use anyhow::bail;
-use artifact::{Axis, FrameRange, Unit};
+use artifact::{Axis, FrameRange, SequenceForm, Unit};
 use clap::{Parser, ValueEnum};
 use linear_shell::{BowTies, FreeComponents, Params};
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
     /// Bending stiffness k_b, mm²; only its ratio to the stretching counts
     #[arg(long, default_value_t = Params::default().bending_mm2)]
     pub(crate) bending: f64,
-    /// Largest cotangent taken at its word; needles beyond it are tempered and counted
+    /// Largest cotangent taken at its word; triangles beyond it are tempered and counted
     #[arg(long, default_value_t = Params::default().cotangent_limit)]
     pub(crate) cotangent_limit: f64,
     /// Parts of the mesh without a handle
@@ -93,6 +93,21 @@ impl Arguments {
         Ok(())
     }
 
+    /// The file, or the folder of per-frame files, that holds the samples.
+    pub(crate) fn samples(&self) -> PathBuf {
+        self.out.with_extension(match self.format {
+            Format::Pc2 => "pc2",
+            Format::Usda => "usda",
+            Format::Obj | Format::Ply | Format::Npy => "",
+        })
+    }
+
+    /// Every file that will be written.
+    pub(crate) fn outputs(&self) -> Vec<PathBuf> {
+        let basis = self.basis.iter().flat_map(|basis| [basis.clone(), basis.with_extension("npy")]);
+        [self.out.clone(), self.samples()].into_iter().chain(basis).collect()
+    }
+
     pub(crate) fn up(&self) -> Axis {
         match self.up {
             Some(UpChoice::Z) => Axis::Z,
@@ -125,10 +140,24 @@ pub(crate) enum Format {
     Obj,
     /// One PLY per frame, in a folder
     Ply,
-    /// The displacement field, #V × 3 float64 in mm, one NumPy array per frame, in a folder
+    /// The displacement field, #V × 3 in mm, one NumPy array (float64) per frame, in a folder; in direct mode as
+    /// precise as the solve, in basis mode as float32
     Npy,
     /// One USD layer with the points over time
     Usda,
+}
+
+impl Format {
+    /// How the index names it.
+    pub(crate) fn form(self) -> SequenceForm {
+        match self {
+            Self::Pc2 => SequenceForm::Pc2,
+            Self::Obj => SequenceForm::Obj,
+            Self::Ply => SequenceForm::Ply,
+            Self::Npy => SequenceForm::Npy,
+            Self::Usda => SequenceForm::Usda,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]

@@ -57,9 +57,12 @@ impl Cache {
         let Some(path) = self.basis_path().filter(|path| path.exists()) else { return Ok(None) };
         let header: ResponseBasis = artifact::read_document(&path)?;
         let array = path.with_file_name(&header.array.name);
+        if artifact::sha256(&array)? != header.array.sha256 {
+            bail!("{}: is not what was kept", array.display());
+        }
         let ([rows, columns], values) = artifact::npy::read_f32(&array)?;
         if rows != self.mesh.vertex_count || columns != self.handles.len() {
-            bail!("{}: is {rows} × {columns}\n  to do: remove it; it will be made again", array.display());
+            bail!("{}: is {rows} × {columns}", array.display());
         }
         Ok(Some((Basis::new(values, columns), Completion::new(&header.schur))))
     }
@@ -78,6 +81,9 @@ impl Cache {
         completion: &Completion,
     ) -> anyhow::Result<Vec<Staged>> {
         let array_path = path.with_extension("npy");
+        if array_path == *path {
+            bail!("{}: --basis names the header; give it the ending .json", path.display());
+        }
         let array =
             artifact::npy::write(&array_path, [basis.vertex_count(), self.handles.len()], basis.values())?;
         let staged_at = array.temporary().context("a basis cannot be written to a pipe")?;
@@ -97,7 +103,7 @@ impl Cache {
         let Some(path) = self.ordering_path().filter(|path| path.exists()) else { return Ok(None) };
         let vertices = artifact::npy::read_u32(&path)?;
         let ordering = Ordering::from_saved(vertices, self.mesh.vertex_count)
-            .with_context(|| format!("{}: remove it; it will be made again", path.display()))?;
+            .with_context(|| path.display().to_string())?;
         Ok(Some(ordering))
     }
 

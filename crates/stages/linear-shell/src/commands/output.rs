@@ -32,11 +32,7 @@ impl Output {
         take: &HandleTake,
         key: &str,
     ) -> anyhow::Result<Self> {
-        let path = arguments.out.with_extension(match arguments.format {
-            Format::Pc2 => "pc2",
-            Format::Usda => "usda",
-            Format::Obj | Format::Ply | Format::Npy => "",
-        });
+        let path = arguments.samples();
         let name = artifact::file_name(&path);
         let mut already = 0;
         let form = match arguments.format {
@@ -61,11 +57,21 @@ impl Output {
         let mut output = Self { unit, name, already, form };
         if let Some(folder) = output.folder().map(Path::to_path_buf) {
             let same = arguments.resume && same_key(&folder, key);
+            if !same {
+                artifact::remove_frames(&folder, &output.name, output.ending())?;
+            }
             let there = |frame: &&i64| same && output.frame_path(**frame).exists();
             output.already = take.frames.iter().take_while(there).count();
             artifact::stage_bytes(&key_path(&folder), key.as_bytes())?.publish()?;
         }
         Ok(output)
+    }
+
+    fn ending(&self) -> &'static str {
+        match &self.form {
+            Form::Meshes { ending, .. } => ending,
+            _ => "npy",
+        }
     }
 
     /// The folder of a sequence that has a file per frame.
@@ -96,11 +102,8 @@ impl Output {
     }
 
     fn frame_path(&self, frame: i64) -> PathBuf {
-        let ending = match &self.form {
-            Form::Meshes { ending, .. } => ending,
-            _ => "npy",
-        };
-        self.folder().unwrap_or(Path::new("")).join(format!("{}.{frame:04}.{ending}", self.name))
+        let file = format!("{}.{frame:04}.{}", self.name, self.ending());
+        self.folder().unwrap_or(Path::new("")).join(file)
     }
 
     /// Writes a frame: #V × 3 coordinates in the sequence's unit.
@@ -110,7 +113,7 @@ impl Output {
             Form::Cache(writer) => writer.write(coordinates),
             Form::Usd(writer) => writer.write(frame, coordinates),
             Form::Meshes { rest, .. } => {
-                let point = |c: &[f32]| Point3::new(c[0].into(), c[1].into(), c[2].into());
+                let point = |c: &[f32]| Point3::from([c[0], c[1], c[2]].map(decimal));
                 rest.positions = coordinates.chunks_exact(3).map(point).collect();
                 // The coordinates are in the sequence's unit already.
                 artifact::write_mesh(&path, rest, Unit::Mm)?.publish()
@@ -143,4 +146,9 @@ fn same_key(folder: &Path, key: &str) -> bool {
 
 fn key_path(folder: &Path) -> PathBuf {
     folder.join(".made-from")
+}
+
+/// The f64 that prints as shortly as the f32 it comes from.
+fn decimal(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }

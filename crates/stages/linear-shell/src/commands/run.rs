@@ -13,6 +13,7 @@ use nalgebra::Vector3;
 use serde_json::json;
 use stage::Run;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Frames that are combined in one pass over the response basis.
 const BATCH: usize = 16;
@@ -26,6 +27,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         handles: take.header.handles.iter().map(|handle| handle.vertex).collect(),
         held: read_held(run, &arguments, &mesh_ref)?,
     };
+    run.check_outputs(&arguments.outputs().iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     let params = arguments.params();
     run.parameters(&json!({ "shell": params, "mode": arguments.mode, "soft": arguments.soft }))?;
     let survey = || Surface::survey(&mesh, &constraints, &params);
@@ -48,6 +50,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let index = LargeScale {
         mesh: mesh_ref,
         cache: output.name().to_string(),
+        form: arguments.format.form(),
         rate: take.header.rate,
         frames: take.frames.clone(),
         take: take.header.take.clone(),
@@ -102,12 +105,12 @@ fn animate(
     };
     let rest: Vec<f32> =
         mesh.positions.iter().flat_map(|point| [point.x as f32, point.y as f32, point.z as f32]).collect();
-    let done = output.already();
+    let mut done = output.already();
     if done > 0 {
         run.say(&format!("{done} frames are there already"));
     }
-    let mut frames = take.frames_from(done)?;
-    let mut progress = run.progress("frames", Some((take.frames.len() - done) as u64));
+    let mut frames = take.frames()?;
+    let mut progress = run.progress("frames", Some(take.frames.len() as u64));
     loop {
         let batch: Vec<HandleFrame> = frames.by_ref().take(BATCH).collect::<artifact::Result<_>>()?;
         if batch.is_empty() {
@@ -116,7 +119,10 @@ fn animate(
         let completed: Vec<Vec<Vector3<f64>>> =
             batch.iter().map(|frame| complete(frame, arguments, solver)).collect::<anyhow::Result<_>>()?;
         findings.add(&batch, &completed, solver);
-        write_batch(run, &rest, &batch, &completed, solver, output)?;
+        // What an earlier run left is not made again, but looked at all the same: findings are of the whole take.
+        let there = done.min(batch.len());
+        done -= there;
+        write_batch(run, &rest, &batch[there..], &completed[there..], solver, output)?;
         batch.iter().for_each(|_| progress.step());
     }
 }
@@ -163,25 +169,24 @@ impl Findings {
     fn add(&mut self, batch: &[HandleFrame], completed: &[Vec<Vector3<f64>>], solver: &Solver) {
         for (frame, handles) in batch.iter().zip(completed) {
             self.tears.add(handles);
-            let whole = frame.displacements.iter().all(Option::is_some);
-            if let Some(completion) = solver.known_completion().filter(|_| whole) {
-                self.leave_one_out.add(completion, handles);
+            if let Some(completion) = solver.known_completion() {
+                self.leave_one_out.add(completion, &frame.displacements);
             }
         }
     }
 
     fn report(&self, run: &mut Run, take: &HandleTake, surface: &Surface, constraints: &Constraints) {
         let name = |handle: usize| take.header.handles[handle].marker.clone();
-        if self.leave_one_out.frame_count() > 0 {
-            let rms = self.leave_one_out.rms_mm();
-            let worst = self.leave_one_out.worst_mm();
-            let per_marker: BTreeMap<String, serde_json::Value> = (0..rms.len())
-                .map(|i| (name(i), json!({ "rms_mm": rounded(rms[i]), "worst_mm": rounded(worst[i]) })))
-                .collect();
-            run.result("leave_one_out", per_marker);
-            if let Some(i) = (0..rms.len()).max_by(|&a, &b| rms[a].total_cmp(&rms[b])) {
-                run.result("leave_one_out_worst", format!("{} ({:.2} mm rms)", name(i), rms[i]));
-            }
+        let errors = self.leave_one_out.errors();
+        let known = || errors.iter().enumerate().filter_map(|(i, error)| error.map(|error| (i, error)));
+        let per_marker: BTreeMap<String, serde_json::Value> = known()
+            .map(|(i, error)| {
+                (name(i), json!({ "rms_mm": rounded(error.rms_mm), "worst_mm": rounded(error.worst_mm) }))
+            })
+            .collect();
+        run.result("leave_one_out", per_marker);
+        if let Some((i, error)) = known().max_by(|a, b| a.1.rms_mm.total_cmp(&b.1.rms_mm)) {
+            run.result("leave_one_out_worst", format!("{} ({:.2} mm rms)", name(i), error.rms_mm));
         }
         let tears = self.tears.tears(surface, &constraints.handles);
         for tear in tears.iter().take(3) {
@@ -207,8 +212,8 @@ fn report_survey(run: &mut Run, survey: &Survey) {
         (survey.unreferenced_vertices, "vertices belong to no face; they stay still"),
         (survey.bow_ties, "bow-tie vertices hinge their fans of triangles"),
         (survey.held_components, "parts of the mesh have no handle; they stay still"),
-        (survey.triangles_without_area, "triangles have no area; they were left out"),
-        (survey.clamped_cotangents, "cotangents of needle triangles were cut to the limit"),
+        (survey.tempered_triangles, "needle triangles were tempered"),
+        (survey.collapsed_triangles, "triangles are points; they were left out"),
     ];
     for (count, what) in notes.into_iter().filter(|note| note.0 > 0) {
         run.warn(format!("{count} {what}"));

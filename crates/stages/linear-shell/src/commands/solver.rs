@@ -28,11 +28,11 @@ impl Solver {
         constraints: &Constraints,
     ) -> anyhow::Result<Self> {
         let basis_wanted = arguments.mode == Mode::Basis || arguments.basis.is_some();
-        if basis_wanted && let Some((basis, completion)) = cache.basis()? {
+        if basis_wanted && let Some((basis, completion)) = sound(run, cache.basis()) {
             run.say("the response basis was kept from an earlier run");
             return Ok(Self { method: Method::Basis(basis), completion: Some(completion) });
         }
-        let ordering = match cache.ordering()? {
+        let ordering = match sound(run, cache.ordering()) {
             Some(ordering) => ordering,
             None => {
                 let ordering = run.timed("ordering", || surface.ordering());
@@ -41,7 +41,7 @@ impl Solver {
             }
         };
         let shell = run.timed("factor", || Shell::factor(surface, constraints, &ordering))?;
-        run.result("factor_entries", shell.factor_entry_count());
+        run.detail(&format!("the factor has {} entries", shell.factor_entry_count()));
         if !basis_wanted {
             return Ok(Self { method: Method::Direct(Box::new(shell)), completion: None });
         }
@@ -83,7 +83,7 @@ impl Solver {
         }
     }
 
-    /// Displacements of a batch of frames, #V × 3, mm: in f64 as the direct solve finds them.
+    /// Displacements of a batch of frames, #V × 3, mm: as the direct solve finds them, or with the basis' f32.
     pub(crate) fn fields(&self, frames: &[Vec<Vector3<f64>>]) -> Vec<Vec<f64>> {
         match &self.method {
             Method::Basis(basis) => {
@@ -94,6 +94,14 @@ impl Solver {
             Method::Direct(shell) => frames.iter().map(|handles| flat(&shell.solve(handles))).collect(),
         }
     }
+}
+
+/// What was kept, if it is whole; a damaged entry is made again.
+fn sound<T>(run: &mut Run, kept: anyhow::Result<Option<T>>) -> Option<T> {
+    kept.unwrap_or_else(|error| {
+        run.warn(format!("{error:#}; it is made again"));
+        None
+    })
 }
 
 fn flat(field: &[Vector3<f64>]) -> Vec<f64> {

@@ -29,7 +29,8 @@ impl HandleTake {
             header,
             frames: Vec::new(),
             gaps: Vec::new(),
-            piped: artifact::is_standard_stream(path).then(Vec::new),
+            // Standard input and named pipes can be read once only.
+            piped: (!path.is_file()).then(Vec::new),
         };
         for frame in reader {
             let frame = frame?;
@@ -38,7 +39,7 @@ impl HandleTake {
             }
         }
         match take.frames.is_empty() {
-            true => bail!("{}: holds no frame of {range} with a handle in it", path.display()),
+            true => bail!("{}: no frame of {range} gives a handle a displacement", path.display()),
             false => Ok(take),
         }
     }
@@ -57,15 +58,14 @@ impl HandleTake {
         }
     }
 
-    /// The frames to make, from the `skip`-th on.
-    pub(crate) fn frames_from(
+    /// The frames to make.
+    pub(crate) fn frames(
         &mut self,
-        skip: usize,
     ) -> anyhow::Result<Box<dyn Iterator<Item = artifact::Result<HandleFrame>>>> {
         if let Some(piped) = self.piped.take() {
-            return Ok(Box::new(piped.into_iter().skip(skip).map(Ok)));
+            return Ok(Box::new(piped.into_iter().map(Ok)));
         }
-        let wanted: Vec<i64> = self.frames[skip.min(self.frames.len())..].to_vec();
+        let wanted = self.frames.clone();
         let reader = FrameReader::<Handles>::open(&self.path).context("reading the handles again")?;
         let keep = move |frame: &artifact::Result<HandleFrame>| match frame {
             Ok(frame) => wanted.binary_search(&frame.frame).is_ok(),
