@@ -43,7 +43,9 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         let staged = cache.write_basis(path, &solver)?;
         run.publish(staged)?;
     }
-    let key = format!("{} {} {:?} {:?}", cache.key(), handles_file.sha256, arguments.frames, arguments.soft);
+    // The modes agree to rounding only, so a cache is not begun in one and continued in the other.
+    let way = (arguments.mode, arguments.frames, arguments.soft);
+    let key = format!("{} {} {way:?}", cache.key(), handles_file.sha256);
     let mut output = Output::start(&arguments, &mesh, mesh_ref.unit, &take, &key)?;
     let findings = animate(run, &arguments, &mesh, &surface, &mut take, &mut solver, &mut output)?;
     findings.report(run, &take, &surface, &constraints);
@@ -108,7 +110,9 @@ fn animate(
     if done > 0 {
         run.say(&format!("{done} frames are there already"));
     }
-    let mut frames = take.frames_from(done)?;
+    // Frames that are there are looked at again, which is cheap, so that the findings are those of the whole take.
+    let mut frames = take.frames()?;
+    let mut there = done;
     let mut progress = run.progress("frames", Some((take.frames.len() - done) as u64));
     loop {
         let batch: Vec<HandleFrame> = frames.by_ref().take(BATCH).collect::<artifact::Result<_>>()?;
@@ -118,8 +122,12 @@ fn animate(
         let completed: Vec<Vec<Vector3<f64>>> =
             batch.iter().map(|frame| complete(frame, arguments, solver)).collect::<anyhow::Result<_>>()?;
         findings.add(&batch, &completed, solver);
-        write_batch(run, &rest, &batch, &completed, solver, output)?;
-        batch.iter().for_each(|_| progress.step());
+        let skipped = there.min(batch.len());
+        there -= skipped;
+        if skipped < batch.len() {
+            write_batch(run, &rest, &batch[skipped..], &completed[skipped..], solver, output)?;
+        }
+        batch[skipped..].iter().for_each(|_| progress.step());
     }
 }
 

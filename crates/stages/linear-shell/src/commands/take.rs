@@ -57,15 +57,14 @@ impl HandleTake {
         }
     }
 
-    /// The frames to make, from the `skip`-th on.
-    pub(crate) fn frames_from(
+    /// The frames to make.
+    pub(crate) fn frames(
         &mut self,
-        skip: usize,
     ) -> anyhow::Result<Box<dyn Iterator<Item = artifact::Result<HandleFrame>>>> {
         if let Some(piped) = self.piped.take() {
-            return Ok(Box::new(piped.into_iter().skip(skip).map(Ok)));
+            return Ok(Box::new(piped.into_iter().map(Ok)));
         }
-        let wanted: Vec<i64> = self.frames[skip.min(self.frames.len())..].to_vec();
+        let wanted = self.frames.clone();
         let reader = FrameReader::<Handles>::open(&self.path).context("reading the handles again")?;
         let keep = move |frame: &artifact::Result<HandleFrame>| match frame {
             Ok(frame) => wanted.binary_search(&frame.frame).is_ok(),
