@@ -24,7 +24,7 @@ const OUT: &str = "out";
 /// which a stage reads them does not matter. A stage with subcommands has one line for each.
 const CALLS: &[(&str, &[&str])] = &[
     ("artifact-diff", &["missing-input.obj", "missing-input-2.obj", "--unit", "mm"]),
-    ("linear-shell", &["--mesh", MESH, "--unit", "mm", "--handles", STREAM, "--out", OUT]),
+    ("linear-shell", &["--mesh", MESH, "--unit", "mm", "--handles", STREAM, "--out", "out.json"]),
     (
         "mesh-clip",
         &[

@@ -1,7 +1,7 @@
 //! The binaries of the workspace, the fixtures, and recorded data, for all tests of the suite.
 //!
 //! The binaries belong to other packages, so the suite asks cargo to build them once and to say where they are.
-#![allow(dead_code, reason = "each test uses its part")]
+#![allow(dead_code, clippy::print_stdout, reason = "each test uses its part; absent data is told of")]
 
 use assert_cmd::Command;
 use serde_json::Value;
