@@ -1,6 +1,4 @@
 //! All binaries behave alike: help, version, usage errors, missing files, closed pipes.
-//!
-//! The binaries belong to other packages, so the suite asks cargo to build them once and to say where they are.
 #![allow(
     clippy::expect_used,
     clippy::panic,
@@ -8,11 +6,11 @@
     reason = "a test fails by panicking, in folders of its own"
 )]
 
+mod support;
+
 use assert_cmd::Command;
-use serde_json::Value;
-use std::path::PathBuf;
 use std::process::Stdio;
-use std::sync::OnceLock;
+use support::{Said, binaries, binary, said, stages};
 
 /// What the names of files that are not there begin with.
 const MISSING: &str = "missing-input";
@@ -23,11 +21,24 @@ const DOCUMENT: &str = "missing-input.json";
 const OUT: &str = "out";
 
 /// The least that each binary needs to get as far as reading an input. All inputs are missing, so that the order in
-/// which a stage reads them does not matter. A stage with subcommands may have one line each.
+/// which a stage reads them does not matter. A stage with subcommands has one line for each.
 const CALLS: &[(&str, &[&str])] = &[
     ("artifact-diff", &["missing-input.obj", "missing-input-2.obj", "--unit", "mm"]),
-    ("linear-shell", &["--mesh", MESH, "--unit", "mm", "--handles", STREAM, "--out", OUT]),
-    ("mesh-clip", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj", "--map", "map.json"]),
+    ("linear-shell", &["--mesh", MESH, "--unit", "mm", "--handles", STREAM, "--out", "out.json"]),
+    (
+        "mesh-clip",
+        &[
+            "--mesh",
+            MESH,
+            "--unit",
+            "mm",
+            "--out",
+            "out.obj",
+            "--map",
+            "map.json",
+            "--keep-largest-component",
+        ],
+    ),
     ("preview", &["--mesh", MESH, "--unit", "mm", "--out", OUT]),
     (
         "rbf-warp",
@@ -45,59 +56,15 @@ const CALLS: &[(&str, &[&str])] = &[
             OUT,
         ],
     ),
+    (
+        "rbf-warp",
+        &["correspond", "--mesh", MESH, "--unit", "mm", "--picks", "missing-input.csv", "--out", OUT],
+    ),
+    ("rbf-warp", &["handles", "--warp", DOCUMENT, "--markers", STREAM, "--out", OUT]),
+    ("rbf-warp", &["apply", "--warp", DOCUMENT, "--points", MESH, "--unit", "mm", "--out", "out.obj"]),
     ("stabilize", &["--markers", STREAM, "--out", "head.jsonl", "--pose", "pose.jsonl"]),
     // `house new-stage` adds here
 ];
-
-/// Every stage of the workspace, from its metadata.
-fn stages() -> Vec<String> {
-    let printed = cargo(&["metadata", "--format-version", "1", "--no-deps"]);
-    let metadata: Value = serde_json::from_str(&printed).expect("cargo metadata prints JSON");
-    let packages = metadata["packages"].as_array().expect("packages");
-    let mut names: Vec<String> = packages
-        .iter()
-        .filter(|package| package["metadata"]["furrow"]["floor"] == 4)
-        .map(|package| package["name"].as_str().expect("a name").to_string())
-        .collect();
-    names.sort();
-    assert!(!names.is_empty(), "the workspace has stages");
-    names
-}
-
-fn cargo(arguments: &[&str]) -> String {
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string());
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let output =
-        std::process::Command::new(cargo).args(arguments).current_dir(root).output().expect("cargo starts");
-    assert!(output.status.success(), "cargo {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("cargo prints text")
-}
-
-/// The stages' binaries by name. Cargo says where they are, and builds them if they are not; it is asked as
-/// `cargo test --workspace` asks, so that after that nothing is left to build.
-fn binaries() -> &'static [(String, PathBuf)] {
-    static BINARIES: OnceLock<Vec<(String, PathBuf)>> = OnceLock::new();
-    BINARIES.get_or_init(|| {
-        let stages = stages();
-        let built = cargo(&["test", "--workspace", "--no-run", "--quiet", "--message-format=json"]);
-        let messages = built.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
-        let mut found: Vec<(String, PathBuf)> = messages
-            .filter_map(|message| binary_of(&message))
-            .filter(|(name, _)| stages.contains(name))
-            .collect();
-        found.sort();
-        let names: Vec<&String> = found.iter().map(|(name, _)| name).collect();
-        assert_eq!(names, stages.iter().collect::<Vec<_>>(), "every stage has a binary of its name");
-        found
-    })
-}
-
-/// The binary that one of cargo's messages tells of; none if it is a test or a library.
-fn binary_of(message: &Value) -> Option<(String, PathBuf)> {
-    let is_binary = message["target"]["kind"][0] == "bin" && message["profile"]["test"] == false;
-    let path = message["executable"].as_str().filter(|_| is_binary)?;
-    Some((message["target"]["name"].as_str()?.to_string(), path.into()))
-}
 
 /// Runs a check on every binary and reports all that fail it, not only the first.
 fn each(check: impl Fn(&str, &mut Command) -> Result<(), String>) {
@@ -111,21 +78,6 @@ fn each(check: impl Fn(&str, &mut Command) -> Result<(), String>) {
         })
         .collect();
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
-}
-
-struct Said {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-fn said(command: &mut Command) -> Said {
-    let output = command.output().expect("the binary starts");
-    Said {
-        code: output.status.code(),
-        stdout: String::from_utf8_lossy(&output.stdout).to_string(),
-        stderr: String::from_utf8_lossy(&output.stderr).to_string(),
-    }
 }
 
 fn require(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
@@ -215,9 +167,8 @@ fn an_unknown_option_is_a_usage_error() {
 #[test]
 fn no_threads_is_a_usage_error() {
     each(|name, _| {
-        let path = &binaries().iter().find(|(other, _)| other == name).expect("built").1;
         for arguments in calls(name) {
-            let said = said(Command::new(path).args(arguments).args(["--threads", "0"]));
+            let said = said(Command::new(binary(name)).args(arguments).args(["--threads", "0"]));
             refused(&said, 2)?;
             require(said.stderr.contains("--threads"), || {
                 format!("does not name --threads: {}", said.stderr)

@@ -43,7 +43,9 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         let staged = cache.write_basis(path, basis, completion)?;
         run.publish(staged)?;
     }
-    let key = format!("{} {} {:?} {:?}", cache.key(), handles_file.sha256, arguments.frames, arguments.soft);
+    // The modes agree to rounding only, so a cache is not begun in one and continued in the other.
+    let way = (arguments.mode, arguments.frames, arguments.soft);
+    let key = format!("{} {} {way:?}", cache.key(), handles_file.sha256);
     let mut output = Output::start(&arguments, &mesh, mesh_ref.unit, &take, &key)?;
     let findings = animate(run, &arguments, &mesh, &surface, &mut take, &mut solver, &mut output)?;
     findings.report(run, &take, &surface, &constraints);
@@ -122,7 +124,9 @@ fn animate(
         // What an earlier run left is not made again, but looked at all the same: findings are of the whole take.
         let there = done.min(batch.len());
         done -= there;
-        write_batch(run, &rest, &batch[there..], &completed[there..], solver, output)?;
+        if there < batch.len() {
+            write_batch(run, &rest, &batch[there..], &completed[there..], solver, output)?;
+        }
         batch.iter().for_each(|_| progress.step());
     }
 }

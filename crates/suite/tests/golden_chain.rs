@@ -1,0 +1,293 @@
+//! The golden chain: a tiny take, and what every stage makes of it.
+//!
+//! Each stage is run on the golden inputs, so that a failure names the stage at fault; then the whole chain is run end
+//! to end. With `FURROW_WRITE_GOLDEN=1` the chain writes `fixtures/tiny-face` anew.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a test fails by panicking, in folders of its own, and says what it skips"
+)]
+
+mod support;
+
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::Path;
+use support::{call, names, succeed, tiny_face};
+
+/// Markers, handles, poses and single meshes: double precision all the way, so only the order of sums may differ
+/// between machines, and picometres would do; a nanometre leaves room for the warp's condition number.
+const EXACT_MM: f64 = 1e-6;
+/// Sequences are single precision: half a unit in the last place of 128 mm is 4e-6 mm.
+const SEQUENCE_MM: f64 = 1e-4;
+/// Pictures: a value between two levels may be rounded either way.
+const LEVELS: f64 = 2.0;
+
+/// How far an artifact may be from the golden one.
+#[derive(Clone, Copy)]
+enum Yardstick {
+    /// By `artifact-diff`, mm.
+    Distance(f64),
+    /// By `artifact-diff`, levels of 255.
+    Levels(f64),
+    /// JSON: the same words in the same places, and numbers this close.
+    Numbers(f64),
+    /// Warps: they carry the same points to places this close, mm. Their coefficients alone say nothing.
+    Carried(f64),
+}
+use Yardstick::{Carried, Distance, Levels, Numbers};
+
+struct Stage {
+    folder: &'static str,
+    calls: &'static [&'static str],
+    artifacts: &'static [(&'static str, Yardstick)],
+}
+
+const STAGES: &[Stage] = &[
+    Stage {
+        folder: "01-stabilize",
+        calls: &["stabilize --markers 00-take/markers.jsonl --take 00-take/take.json --head-markers head_* \
+             --out 01-stabilize/head.jsonl --pose 01-stabilize/pose.jsonl"],
+        artifacts: &[("head.jsonl", Distance(EXACT_MM)), ("pose.jsonl", Numbers(EXACT_MM))],
+    },
+    Stage {
+        folder: "02-rbf-warp",
+        calls: &[
+            "rbf-warp correspond --mesh 00-take/scan.obj --take 00-take/take.json --picks 00-take/picks.csv \
+             --out 02-rbf-warp/correspondence.json",
+            "rbf-warp fit --mesh 00-take/scan.obj --markers 01-stabilize/head.jsonl \
+             --correspondence 02-rbf-warp/correspondence.json --rest-frame 1001 --out 02-rbf-warp/warp.json",
+            "rbf-warp handles --warp 02-rbf-warp/warp.json --markers 01-stabilize/head.jsonl \
+             --out 02-rbf-warp/handles.jsonl",
+        ],
+        artifacts: &[
+            ("correspondence.json", Numbers(EXACT_MM)),
+            ("warp.json", Carried(EXACT_MM)),
+            ("handles.jsonl", Distance(EXACT_MM)),
+        ],
+    },
+    Stage {
+        folder: "03-linear-shell",
+        calls: &["linear-shell --mesh 00-take/scan.obj --handles 02-rbf-warp/handles.jsonl \
+             --out 03-linear-shell/large-scale.json"],
+        artifacts: &[
+            ("large-scale.json", Numbers(0.0)),
+            ("large-scale.json", Distance(SEQUENCE_MM)),
+            ("large-scale.pc2", Distance(SEQUENCE_MM)),
+        ],
+    },
+    Stage {
+        folder: "04-mesh-clip",
+        calls: &["mesh-clip --mesh 00-take/scan.obj --unit mm --keep-sphere 0,-20,50,80 \
+             --keep-largest-component --out 04-mesh-clip/face.obj --map 04-mesh-clip/face-map.json"],
+        artifacts: &[("face.obj", Distance(EXACT_MM)), ("face-map.json", Numbers(0.0))],
+    },
+    Stage {
+        folder: "05-preview",
+        calls: &["preview --mesh 00-take/scan.obj --unit mm --sequence 03-linear-shell/large-scale.json \
+             --handles 02-rbf-warp/handles.jsonl --count 2 --size 160 --out 05-preview/frames.png"],
+        artifacts: &[("frames.png", Levels(LEVELS))],
+    },
+];
+
+/// Whether the golden files are to be written anew; then nothing is compared.
+fn is_rewriting() -> bool {
+    std::env::var_os("FURROW_WRITE_GOLDEN").is_some_and(|value| value == "1")
+}
+
+fn copy(name: &str, to: &Path) {
+    let target = to.join(name);
+    std::fs::create_dir_all(&target).expect("a folder");
+    for file in names(&tiny_face().join(name)) {
+        std::fs::copy(tiny_face().join(name).join(&file), target.join(&file)).expect("a copy");
+    }
+}
+
+/// How a file differs from the golden one, if it does more than it may. `folder` is a place for intermediate files.
+fn difference(folder: &Path, golden: &Path, made: &Path, yardstick: Yardstick) -> Option<String> {
+    let (first, second) = (golden.display(), made.display());
+    match yardstick {
+        Distance(mm) => {
+            refusal(folder, &format!("artifact-diff {first} {second} --unit mm --strict --tolerance-mm {mm}"))
+        }
+        Levels(levels) => {
+            refusal(folder, &format!("artifact-diff {first} {second} --strict --tolerance-levels {levels}"))
+        }
+        Numbers(tolerance) => json_difference(golden, made, tolerance),
+        Carried(mm) => {
+            let scan = tiny_face().join("00-take/scan.obj");
+            let apply = |warp: &Path, points: &str, out: &str| {
+                let warp = warp.display();
+                let back = if out == "mocap.obj" { "--inverse" } else { "" };
+                succeed(
+                    folder,
+                    &format!("rbf-warp apply --warp {warp} --points {points} --unit mm --out {out} {back}"),
+                );
+            };
+            apply(golden, &scan.display().to_string(), "mocap.obj");
+            apply(golden, "mocap.obj", "golden.obj");
+            apply(made, "mocap.obj", "made.obj");
+            refusal(folder, &format!("artifact-diff golden.obj made.obj --unit mm --tolerance-mm {mm}"))
+        }
+    }
+}
+
+fn refusal(folder: &Path, line: &str) -> Option<String> {
+    let said = call(folder, line);
+    (said.code != Some(0)).then(|| format!("{}{}", said.stdout, said.stderr))
+}
+
+/// JSON, or JSON lines.
+fn json_difference(golden: &Path, made: &Path, tolerance: f64) -> Option<String> {
+    let lines = |path: &Path| -> Vec<Value> {
+        let text = std::fs::read_to_string(path).expect("a text");
+        text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    };
+    value_difference("", &Value::Array(lines(golden)), &Value::Array(lines(made)), tolerance)
+}
+
+fn value_difference(place: &str, golden: &Value, made: &Value, tolerance: f64) -> Option<String> {
+    match (golden, made) {
+        (Value::Number(a), Value::Number(b)) => {
+            let apart = (a.as_f64().expect("a number") - b.as_f64().expect("a number")).abs();
+            (apart > tolerance).then(|| format!("{place}: {b}, not {a}"))
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            (0..a.len()).find_map(|i| value_difference(&format!("{place}/{i}"), &a[i], &b[i], tolerance))
+        }
+        (Value::Object(a), Value::Object(b)) if a.keys().eq(b.keys()) => a
+            .iter()
+            .find_map(|(key, value)| value_difference(&format!("{place}/{key}"), value, &b[key], tolerance)),
+        _ => (golden != made).then(|| format!("{place}: {made}, not {golden}")),
+    }
+}
+
+/// What differs in the folder of a stage.
+fn faults(folder: &Path, stage: &Stage) -> String {
+    let mut faults = String::new();
+    for (name, yardstick) in stage.artifacts {
+        let file = Path::new(stage.folder).join(name);
+        let found = difference(folder, &tiny_face().join(&file), &folder.join(&file), *yardstick);
+        if let Some(fault) = found {
+            writeln!(faults, "{}: is not the golden one\n{fault}", file.display()).expect("a text");
+        }
+    }
+    faults
+}
+
+/// Runs one stage on what the golden stages before it made.
+fn alone(name: &str) {
+    if is_rewriting() {
+        println!("skipped: the golden files are being written anew");
+        return;
+    }
+    let at = STAGES.iter().position(|stage| stage.folder == name).expect("a stage");
+    let folder = tempfile::tempdir().expect("a folder");
+    copy("00-take", folder.path());
+    STAGES[..at].iter().for_each(|stage| copy(stage.folder, folder.path()));
+    STAGES[at].calls.iter().for_each(|line| drop(succeed(folder.path(), line)));
+    let faults = faults(folder.path(), &STAGES[at]);
+    assert!(faults.is_empty(), "\n{faults}");
+}
+
+#[test]
+fn stabilize_makes_the_golden_head() {
+    alone("01-stabilize");
+}
+
+#[test]
+fn rbf_warp_makes_the_golden_handles() {
+    alone("02-rbf-warp");
+}
+
+#[test]
+fn linear_shell_makes_the_golden_sequence() {
+    alone("03-linear-shell");
+}
+
+#[test]
+fn mesh_clip_makes_the_golden_face() {
+    alone("04-mesh-clip");
+}
+
+#[test]
+fn preview_makes_the_golden_picture() {
+    alone("05-preview");
+}
+
+#[test]
+fn the_whole_chain_ends_in_the_golden_sequence() {
+    let folder = tempfile::tempdir().expect("a folder");
+    copy("00-take", folder.path());
+    for line in STAGES.iter().flat_map(|stage| stage.calls) {
+        succeed(folder.path(), line);
+    }
+    for stage in STAGES {
+        for (name, _) in stage.artifacts {
+            let file = Path::new(stage.folder).join(name);
+            let side_car = folder.path().join(format!("{}.prov.json", file.display()));
+            assert!(side_car.exists(), "{} is missing", side_car.display());
+            if is_rewriting() {
+                std::fs::create_dir_all(tiny_face().join(stage.folder)).expect("a folder");
+                std::fs::copy(folder.path().join(&file), tiny_face().join(&file)).expect("a copy");
+            }
+        }
+    }
+    let (golden, made) =
+        (tiny_face().join("03-linear-shell"), folder.path().join("03-linear-shell/large-scale.json"));
+    let fault = difference(folder.path(), &golden.join("large-scale.json"), &made, Distance(SEQUENCE_MM));
+    assert!(fault.is_none(), "\n{}", fault.unwrap_or_default());
+}
+
+/// A copy of a golden file in which the first fractional number after `after` is `by` larger.
+fn nudged(folder: &Path, file: &str, after: &str, by: f64) -> std::path::PathBuf {
+    let text = std::fs::read_to_string(tiny_face().join(file)).expect("a text");
+    let from = text.find(after).expect("the place") + after.len();
+    let digits = |c: char| c.is_ascii_digit() || matches!(c, '-' | '.' | 'e');
+    let begin = from + text[from..].find(digits).expect("a number");
+    let end = begin + text[begin..].find(|c| !digits(c)).expect("its end");
+    let number: f64 = text[begin..end].parse().expect("a number");
+    let path = folder.join(Path::new(file).file_name().expect("a name"));
+    std::fs::write(&path, format!("{}{}{}", &text[..begin], number + by, &text[end..])).expect("a file");
+    path
+}
+
+/// The comparisons above are worth something only if they can fail.
+#[test]
+fn the_yardsticks_see_what_is_off() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = [
+        ("01-stabilize/head.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
+        (
+            "01-stabilize/pose.jsonl",
+            "\"frame\":1003,\"world_from_head\":{\"rotation_wxyz\":[",
+            3e-6,
+            Numbers(EXACT_MM),
+        ),
+        ("02-rbf-warp/handles.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
+        ("02-rbf-warp/warp.json", "\"weights\":[[", 1e-5, Carried(EXACT_MM)),
+        ("03-linear-shell/large-scale.json", "\"frames\":[", 1.0, Numbers(0.0)),
+        ("04-mesh-clip/face.obj", "v ", 3e-6, Distance(EXACT_MM)),
+    ];
+    for (file, after, by, yardstick) in cases {
+        let golden = tiny_face().join(file);
+        let same = difference(folder.path(), &golden, &golden, yardstick);
+        assert_eq!(same, None, "{file}");
+        let off = nudged(folder.path(), file, after, by);
+        assert!(difference(folder.path(), &golden, &off, yardstick).is_some(), "{file}: {by} is not seen");
+    }
+}
+
+/// The README beside the files tells the command lines that made them.
+#[test]
+fn the_readme_tells_how_the_files_were_made() {
+    let readme = std::fs::read_to_string(tiny_face().join("README.md")).expect("a README");
+    let said: Vec<&str> = readme.split_whitespace().filter(|word| *word != "\\").collect();
+    let said = said.join(" ").replace('\'', "");
+    for line in STAGES.iter().flat_map(|stage| stage.calls) {
+        let line = line.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(&line), "the README does not tell: {line}");
+    }
+}
