@@ -117,10 +117,10 @@ impl Sink {
         if is_standard_stream(path) {
             return Ok(Self { path: path.to_path_buf(), out: Out::Stdout(std::io::stdout()) });
         }
-        refuse_special(path)?;
         let Some(name) = path.file_name() else {
             return Err(Error::new(path, "is not a file name").fix("name a file to write"));
         };
+        refuse_special(path)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder).map_err(|cause| Error::io(folder, "make the folder", &cause))?;
         let temporary = folder.join(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
