@@ -63,7 +63,7 @@ fn latin_1_is_read() {
         b"PathFileType\t4\t(X/Y/Z)\tm\xfcller.trc".as_slice(),
         &WRITTEN.as_bytes()[WRITTEN.find('\n').unwrap()..],
     ];
-    artifact::stage_bytes(&path, &bytes.concat().as_slice()).unwrap().publish().unwrap();
+    artifact::stage_bytes(&path, bytes.concat().as_slice()).unwrap().publish().unwrap();
     assert_eq!(trc::read(&path, None).unwrap(), (small(), vec![]));
 }
 

@@ -165,3 +165,33 @@ impl JumpReport {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_says_where_its_samples_went() {
+        let place = PlaceReport { marker: "b".into(), frames: [8, 9], mended: true };
+        let mut jump = JumpReport {
+            marker: "a".into(),
+            frames: [5, 9],
+            step_mm: 20.0,
+            removed: true,
+            at_place_of: vec![place],
+        };
+        let off = "marker a is off its place in frames 5-9 (20.0 mm): taken out";
+        let there = "; in frames 8-9 it stands at the place of b";
+        let given = "; those samples were given to b";
+        assert_eq!(jump.sentence(), format!("{off}{there}{given}"));
+        jump.at_place_of[0].mended = false;
+        assert_eq!(jump.sentence(), format!("{off}{there}"));
+    }
+
+    #[test]
+    fn one_frame_is_singular() {
+        let report = |frames| Report { pose_gap_frames: frames, ..Default::default() };
+        assert!(report(1).warnings()[0].starts_with("1 frame has no pose"));
+        assert!(report(2).warnings()[0].starts_with("2 frames have no pose"));
+    }
+}
