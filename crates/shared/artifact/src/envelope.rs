@@ -4,7 +4,7 @@
 //! one object per line and frame, frame numbers rising. The schema is read before anything else, so that an unknown
 //! kind or a newer version is refused by name.
 
-use crate::source::{open, read_text};
+use crate::source::{open, read_utf8};
 use crate::{Error, Result, Sink, Staged, Violation};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
@@ -83,8 +83,10 @@ fn schema_name<K: Kind>() -> String {
     format!("{}/{}", K::NAME, K::VERSION)
 }
 
-/// Opens an envelope: checks kind and version, then reads the data. `line` is where the text starts in its file.
+/// Opens an envelope: checks kind and version, then reads the data. `line` is where the text starts in its file. A
+/// byte-order mark, which some editors put there, is passed over.
 fn open_envelope<K: Kind, T: DeserializeOwned>(path: &Path, text: &str, first_line: usize) -> Result<T> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let place = |error: &serde_json::Error| {
         format!("line {}, column {}", first_line + error.line().max(1) - 1, error.column())
     };
@@ -143,7 +145,7 @@ fn without_position(error: &serde_json::Error) -> String {
 /// # Errors
 /// If the file is missing, of another kind or version, or does not make sense.
 pub fn read_document<T: Document>(path: &Path) -> Result<T> {
-    let text = read_text(path)?;
+    let text = read_utf8(path)?;
     let document: T = open_envelope::<T, T>(path, &text, 1)?;
     document.check().map_err(|violation| violation.in_file(path))?;
     Ok(document)

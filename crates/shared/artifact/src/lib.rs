@@ -64,7 +64,7 @@ pub use finite::finite;
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
 pub use large_scale::{LargeScale, SequenceForm};
-pub use marker_file::{read_trajectories, write_trajectories};
+pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};

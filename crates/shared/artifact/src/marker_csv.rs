@@ -3,7 +3,8 @@
 //! Empty cells (and `NaN`) are missing samples. CSV states no unit; the user says it. Where there is no `frame`
 //! column, the rate is found from the times, and a frame's number is its time in frames: time 0 is frame 0.
 
-use crate::markers::{ids_of_labels, number_in_cell, point_in_cells, resolve_unit};
+use crate::markers::{ids_of_labels, number_in_cell, point_in_cells, resolve_unit, warn_of_origins};
+use crate::source::text_of;
 use crate::trc::frame_number;
 use crate::{Error, MarkerFrame, MarkerHeader, Rate, Result, SampleStatus, Trajectories, Unit, read_bytes};
 use std::path::Path;
@@ -27,7 +28,8 @@ pub fn read(path: &Path, unit: Option<Unit>) -> Result<(Trajectories, Vec<String
 pub fn parse(path: &Path, bytes: &[u8], unit: Option<Unit>) -> Result<(Trajectories, Vec<String>)> {
     let mut warnings = Vec::new();
     let unit = resolve_unit(path, "CSV", None, unit, &mut warnings)?;
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
+    let text = text_of(path, bytes.to_vec())?;
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
     let mut records = reader.records().map(|record| record.map_err(|error| malformed(path, &error)));
     let first = records.next().ok_or_else(|| Error::new(path, "is empty").fix("export it again"))??;
     let columns = Columns::read(path, &first)?;
@@ -50,18 +52,17 @@ pub fn parse(path: &Path, bytes: &[u8], unit: Option<Unit>) -> Result<(Trajector
     let status = vec![SampleStatus::Measured; ids.len()];
     let frames = numbers.into_iter().zip(rows);
     let frames = frames.map(|(frame, row)| MarkerFrame { frame, points: row.points, status: status.clone() });
-    let frames = frames.collect();
+    let frames: Vec<MarkerFrame> = frames.collect();
+    warn_of_origins(&ids, &frames, &mut warnings);
     let header = MarkerHeader { unit: Unit::Mm, rate, markers: ids, take: None };
     Ok((Trajectories { header, frames }, warnings))
 }
 
 fn malformed(path: &Path, error: &csv::Error) -> Error {
     let place = error.position().map_or(0, csv::Position::line);
-    let what = match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => "is not text (binary data)".to_string(),
-        _ => format!("is not CSV: {error}"),
-    };
-    Error::new(path, what).at(format!("line {place}")).fix("check that this is the right file")
+    Error::new(path, format!("is not CSV: {error}"))
+        .at(format!("line {place}"))
+        .fix("check that this is the right file")
 }
 
 /// What stands in which column.
@@ -121,9 +122,11 @@ impl Columns {
         let width = self.first + 3 * self.labels.len();
         if record.len() != width {
             let what = format!("has {} cells, the first line has {width}", record.len());
-            return Err(Error::new(path, what)
-                .at(format!("line {line}"))
-                .fix("it may be cut short; export it again"));
+            let fix = match record.len() > width {
+                true => "export it with decimal points, and commas only between cells",
+                false => "it may be cut short; export it again",
+            };
+            return Err(Error::new(path, what).at(format!("line {line}")).fix(fix));
         }
         let cell = |column: usize| record.get(column).unwrap_or_default();
         let refuse =

@@ -56,8 +56,16 @@ where
     S: Stream<Header = MarkerHeader, Frame = MarkerFrame>,
 {
     let trajectories = Trajectories::read::<S>(path)?;
-    agree(path, "unit", trajectories.header.unit, unit)?;
+    check_marker_unit(path, &trajectories.header, unit)?;
     Ok(trajectories)
+}
+
+/// Refuses a unit that a user states for markers whose artifact says another one.
+///
+/// # Errors
+/// If the two disagree.
+pub fn check_marker_unit(path: &Path, header: &MarkerHeader, stated: Option<Unit>) -> Result<()> {
+    agree(path, "unit", header.unit, stated).map(drop)
 }
 
 fn unknown(path: &Path, known: &str) -> Error {

@@ -1,7 +1,8 @@
 //! What the marker formats of others share: labels, units, gaps.
 
 use crate::trajectories::check_ids;
-use crate::{Error, Rate, Result, Trajectories, Unit, Violation};
+use crate::{Error, MarkerFrame, Rate, Result, Trajectories, Unit, Violation};
+use nalgebra::Point3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -37,7 +38,9 @@ pub(crate) fn resolve_unit(
         _ => format!("'{text}' is not a unit known here"),
     };
     let Some(unit) = stated else {
-        return Err(Error::new(path, what).at(place).fix("say --unit mm, --unit cm or --unit m"));
+        return Err(Error::new(path, what)
+            .at(place)
+            .fix("say --marker-unit mm, --marker-unit cm or --marker-unit m"));
     };
     if !text.is_empty() {
         warnings.push(format!("{place}: {what}; read in {unit}, as stated"));
@@ -47,9 +50,11 @@ pub(crate) fn resolve_unit(
 
 pub(crate) fn agree(path: &Path, place: &str, unit: Unit, stated: Option<Unit>) -> Result<Unit> {
     match stated.filter(|&stated| stated != unit) {
-        Some(stated) => Err(Error::new(path, format!("the file says {unit}, but --unit says {stated}"))
-            .at(place)
-            .fix("find out which is right: leave --unit out, or mend the file")),
+        Some(stated) => {
+            Err(Error::new(path, format!("the file says {unit}, but --marker-unit says {stated}"))
+                .at(place)
+                .fix("find out which is right: leave --marker-unit out, or mend the file"))
+        }
         None => Ok(unit),
     }
 }
@@ -119,7 +124,25 @@ pub(crate) fn number_in_cell(cell: &str) -> std::result::Result<Option<f64>, Str
     match cell.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(Some(number)),
         Ok(_) => Err(format!("'{cell}' is not a finite number")),
+        Err(_) if cell.replacen(',', ".", 1).parse::<f64>().is_ok() => {
+            Err(format!("'{cell}' has a decimal comma; export it with decimal points"))
+        }
         Err(_) => Err(format!("'{cell}' is not a number")),
+    }
+}
+
+/// Some writers store a missing sample as the origin without marking it.
+pub(crate) fn warn_of_origins(ids: &[String], frames: &[MarkerFrame], warnings: &mut Vec<String>) {
+    let at_origin =
+        |marker: usize| frames.iter().filter(|frame| frame.points[marker] == Some(Point3::origin())).count();
+    let counts = ids.iter().enumerate().map(|(marker, id)| (id, at_origin(marker)));
+    let suspects: Vec<String> =
+        counts.filter(|(_, count)| *count > 0).map(|(id, count)| format!("{id} in {count}")).collect();
+    if !suspects.is_empty() {
+        warnings.push(format!(
+            "markers lie exactly at the origin without being marked as missing (frames: {}); kept as measured",
+            listed(&suspects)
+        ));
     }
 }
 
@@ -127,9 +150,9 @@ pub(crate) fn number_in_cell(cell: &str) -> std::result::Result<Option<f64>, Str
 pub(crate) fn point_in_cells(
     cells: [&str; 3],
     scale: f64,
-) -> std::result::Result<Option<nalgebra::Point3<f64>>, String> {
+) -> std::result::Result<Option<Point3<f64>>, String> {
     match (number_in_cell(cells[0])?, number_in_cell(cells[1])?, number_in_cell(cells[2])?) {
-        (Some(x), Some(y), Some(z)) => Ok(Some(nalgebra::Point3::new(x, y, z) * scale)),
+        (Some(x), Some(y), Some(z)) => Ok(Some(Point3::new(x, y, z) * scale)),
         (None, None, None) => Ok(None),
         _ => Err("has only some of its three coordinates".to_string()),
     }

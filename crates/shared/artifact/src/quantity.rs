@@ -157,6 +157,9 @@ impl fmt::Display for FrameRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::ALL => f.write_str("all"),
+            Self { first: i64::MIN, last } => write!(f, "-{last}"),
+            Self { first, last: i64::MAX } => write!(f, "{first}-"),
+            Self { first, last } if first == last => write!(f, "{first}"),
             Self { first, last } => write!(f, "{first}-{last}"),
         }
     }

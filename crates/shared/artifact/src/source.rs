@@ -22,18 +22,49 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     result.map_err(|cause| Error::io(path, "read", &cause))
 }
 
-/// The text of a file; bytes that are no text are refused with their place.
+/// The text of a file: UTF-8, or else ISO 8859-1, in which many programs write names and comments. Binary data is
+/// refused with its place.
+///
+/// # Errors
+/// If it cannot be read or is not text.
+pub fn read_text(path: &Path) -> Result<String> {
+    text_of(path, read_bytes(path)?)
+}
+
+/// The text of a file of a format that must be UTF-8.
 ///
 /// # Errors
 /// If it cannot be read or is not UTF-8.
-pub fn read_text(path: &Path) -> Result<String> {
-    String::from_utf8(read_bytes(path)?).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
-        Error::new(path, "is not text (binary data)")
-            .at(format!("line {line} (byte {at})"))
-            .fix("check that this is the right file and that it was not cut or compressed")
+pub(crate) fn read_utf8(path: &Path) -> Result<String> {
+    String::from_utf8(read_bytes(path)?)
+        .map_err(|error| no_text(path, error.as_bytes(), error.utf8_error().valid_up_to()))
+}
+
+/// The text that bytes of a file are, as [`read_text`] reads it.
+///
+/// # Errors
+/// If they are not text.
+pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
+    String::from_utf8(bytes).or_else(|error| {
+        let bytes = error.as_bytes();
+        match bytes.iter().any(is_binary) {
+            true => Err(no_text(path, bytes, error.utf8_error().valid_up_to())),
+            // ISO 8859-1: each byte is the character of that number.
+            false => Ok(bytes.iter().map(|&byte| char::from(byte)).collect()),
+        }
     })
+}
+
+/// Control characters that no text holds; blanks, line ends and form feeds are none of them.
+fn is_binary(byte: &u8) -> bool {
+    byte.is_ascii_control() && !matches!(byte, b'\t'..=b'\r')
+}
+
+fn no_text(path: &Path, bytes: &[u8], at: usize) -> Error {
+    let line = bytes[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
+    Error::new(path, "is not text (binary data)")
+        .at(format!("line {line} (byte {at})"))
+        .fix("check that this is the right file and that it was not cut or compressed")
 }
 
 /// Opens a file, or standard input for `-`, to be read line by line.

@@ -6,6 +6,7 @@
 
 use crate::markers::{
     check_writable, ids_of_labels, listed, number_in_cell, point_in_cells, rate_of, resolve_unit,
+    warn_of_origins,
 };
 use crate::source::read_text;
 use crate::{
@@ -51,6 +52,7 @@ pub fn parse(path: &Path, text: &str, unit: Option<Unit>) -> Result<(Trajectorie
     rows.warn(&mut warnings);
     head.check_frame_count(path, frames.len(), &mut warnings)?;
     check_times(&frames, &times, rate, &mut warnings);
+    warn_of_origins(&ids, &frames, &mut warnings);
     let header = MarkerHeader { unit: Unit::Mm, rate, markers: ids, take: None };
     Ok((Trajectories { header, frames }, warnings))
 }

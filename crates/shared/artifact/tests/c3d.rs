@@ -112,8 +112,8 @@ fn units_are_read_stated_or_refused() {
     let mm = c3d::parse(Path::new("x.c3d"), &metres, Some(Unit::M)).unwrap().trajectories;
     assert_eq!(mm.frames[0].points[0].unwrap().z, 300_000.0);
     let stated = |text: &[u8; 2], unit| c3d::parse(Path::new("x.c3d"), &with(&bytes, at, text), unit);
-    assert!(stated(b"cm", Some(Unit::Mm)).unwrap_err().what.contains("--unit says mm"));
-    assert!(stated(b"  ", None).unwrap_err().fix.unwrap().contains("--unit"));
+    assert!(stated(b"cm", Some(Unit::Mm)).unwrap_err().what.contains("--marker-unit says mm"));
+    assert!(stated(b"  ", None).unwrap_err().fix.unwrap().contains("--marker-unit"));
     assert!(stated(b"??", None).unwrap_err().what.contains("'??'"));
     assert!(stated(b"in", Some(Unit::Mm)).unwrap_err().what.contains("'in'"));
     assert_eq!(stated(b"  ", Some(Unit::Cm)).unwrap().unit, Unit::Cm);

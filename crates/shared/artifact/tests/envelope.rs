@@ -169,6 +169,16 @@ fn bytes_that_are_no_text_are_refused_with_their_line() {
 }
 
 #[test]
+fn a_byte_order_mark_is_passed_over() {
+    let place = Place::new();
+    let warp = place.file("warp.json", format!("\u{feff}{}", text("warp-1/warp.json")));
+    assert_eq!(read_document::<Warp>(&warp).unwrap(), read_document(&fixture("warp-1/warp.json")).unwrap());
+    let read = |path: &Path| FrameReader::<Handles>::open(path).unwrap().map(Result::unwrap).count();
+    let handles = place.file("handles.jsonl", format!("\u{feff}{}", text("handles-1/handles.jsonl")));
+    assert_eq!(read(&handles), read(&fixture("handles-1/handles.jsonl")));
+}
+
+#[test]
 fn a_document_reads_however_it_is_laid_out() {
     let value: serde_json::Value = serde_json::from_str(&text("warp-1/warp.json")).unwrap();
     let place = Place::new();

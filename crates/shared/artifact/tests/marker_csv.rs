@@ -94,7 +94,7 @@ fn real_face_markers_are_read_in_centimetres() {
         assert!((100.0..200.0).contains(&x), "{x} mm");
         assert!(warnings.is_empty(), "{warnings:?}");
         let error = artifact::read_trajectories::<Trajectories3d>(&path, None).unwrap_err();
-        assert!(error.fix.unwrap().contains("--unit"));
+        assert!(error.fix.unwrap().contains("--marker-unit"));
     }
 }
 
@@ -119,13 +119,28 @@ fn malformed_files_are_refused_at_their_place() {
         (format!("{header}0,1,2,3\n0.1,1,2,3\n0.137,1,2,3\n0.2,1,2,3\n0.3,1,2,3\n"), "no whole frames"),
         ("frame,a_x,a_y,a_z\n1.5,1,2,3\n".into(), "'1.5' is not a frame number"),
         ("frame,a_x,a_y,a_z\n2,1,2,3\n1,1,2,3\n".into(), "line 3: frame 1 follows frame 2"),
+        ("frame,a_x,a_y,a_z\n1,\"168,68\",2,3\n".into(), "marker a: '168,68' has a decimal comma"),
+        ("frame,a_x,a_y,a_z\n1,168,68,2,3\n".into(), "export it with decimal points"),
     ];
     for (text, said) in cases {
         let message = refusal(&text);
         assert!(message.contains(said), "{said}: {message}");
     }
-    let binary = marker_csv::parse(Path::new("x.csv"), b"frame,a_x,a_y,a_z\n1,\xff,2,3\n", Some(Unit::Mm));
-    assert!(binary.unwrap_err().to_string().contains("line 2: is not text"));
+    let binary = marker_csv::parse(Path::new("x.csv"), b"frame,a_x,a_y,a_z\n1,\xff\0,2,3\n", Some(Unit::Mm));
+    assert!(binary.unwrap_err().to_string().contains("line 2 (byte 20): is not text"));
+}
+
+#[test]
+fn latin_1_names_are_read() {
+    let bytes = b"frame,M\xfcller_x,M\xfcller_y,M\xfcller_z\n1,1,2,3\n";
+    let (take, _) = marker_csv::parse(Path::new("x.csv"), bytes, Some(Unit::Mm)).unwrap();
+    assert_eq!(take.header.markers, ["M\u{fc}ller"]);
+}
+
+#[test]
+fn samples_at_the_origin_are_told() {
+    let (_, warnings) = parse("frame,time_s,a_x,a_y,a_z\n0,0,0,0,0\n1,0.1,1,2,3\n2,0.2,-0,0,0\n").unwrap();
+    assert!(warnings[0].contains("exactly at the origin") && warnings[0].contains("a in 2"), "{warnings:?}");
 }
 
 #[test]

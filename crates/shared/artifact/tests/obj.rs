@@ -127,6 +127,23 @@ fn errors_name_the_line() {
 }
 
 #[test]
+fn latin_1_comments_and_names_are_read() {
+    let place = Place::new();
+    let plain = b"# Kopf\no Muller\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl Haut\nf 1 2 3\n";
+    let latin = b"# K\xf6pf\no M\xfcller\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl H\xe4ut\nf 1 2 3\n";
+    let [plain, mesh] =
+        [plain.as_slice(), latin].map(|bytes| obj::read(&place.file("a.obj", bytes), Unit::Mm).unwrap());
+    assert_eq!((mesh.positions, mesh.polygons), (plain.positions, plain.polygons));
+    assert!(artifact::read_text(&place.file("a.obj", latin)).unwrap().contains("M\u{fc}ller"));
+    let message = refused_bytes(&place, b"v 0 0 0\n# \xf6\nv \x1b 0 0\n");
+    says(&message, &["scan.obj, line 2 (byte 10): is not text (binary data)"]);
+}
+
+fn refused_bytes(place: &Place, bytes: &[u8]) -> String {
+    refusal(obj::read(&place.file("scan.obj", bytes), Unit::Mm))
+}
+
+#[test]
 fn a_file_without_a_mesh_is_refused() {
     says(&refused(""), &["scan.obj: holds no vertices"]);
     says(&refused("# nothing\n"), &["holds no vertices"]);

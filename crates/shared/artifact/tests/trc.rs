@@ -38,6 +38,36 @@ fn the_text_is_that_of_the_format() {
 }
 
 #[test]
+fn samples_at_the_origin_are_told() {
+    let (take, warnings) = parse(&WRITTEN.replace("0.5\t\t\t\n", "0.5\t0\t0\t0\n")).unwrap();
+    assert_eq!(take.frames[1].points[1], Some(nalgebra::Point3::origin()));
+    assert!(
+        warnings[0].contains("exactly at the origin") && warnings[0].contains("brow_r in 1"),
+        "{warnings:?}"
+    );
+    assert_eq!(warnings.len(), 1);
+}
+
+#[test]
+fn decimal_commas_are_named() {
+    let message = refusal(&WRITTEN.replace("-2.25", "-2,25"));
+    assert!(message.contains("frame 1001, marker brow_l: '-2,25' has a decimal comma"), "{message}");
+    assert!(message.contains("export it with decimal points"), "{message}");
+}
+
+#[test]
+fn latin_1_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("take.trc");
+    let bytes = [
+        b"PathFileType\t4\t(X/Y/Z)\tm\xfcller.trc".as_slice(),
+        &WRITTEN.as_bytes()[WRITTEN.find('\n').unwrap()..],
+    ];
+    artifact::stage_bytes(&path, bytes.concat().as_slice()).unwrap().publish().unwrap();
+    assert_eq!(trc::read(&path, None).unwrap(), (small(), vec![]));
+}
+
+#[test]
 fn habits_of_other_writers_are_read() {
     let same = |text: String, warnings: usize| {
         let (take, told) = parse(&text).unwrap();
@@ -63,8 +93,8 @@ fn units_are_converted_stated_or_refused() {
     let (take, _) = parse(&WRITTEN.replace("\tmm\t", "\tm\t")).unwrap();
     assert_eq!(take.frames[0].points[0].unwrap().z, 300_000.0);
     let stated = |text: &str, unit| trc::parse(Path::new("x.trc"), &WRITTEN.replace("\tmm\t", text), unit);
-    assert!(stated("\tmm\t", Some(Unit::Cm)).unwrap_err().what.contains("--unit says cm"));
-    assert!(stated("\t\t", None).unwrap_err().fix.unwrap().contains("--unit"));
+    assert!(stated("\tmm\t", Some(Unit::Cm)).unwrap_err().what.contains("--marker-unit says cm"));
+    assert!(stated("\t\t", None).unwrap_err().fix.unwrap().contains("--marker-unit"));
     assert_eq!(stated("\t\t", Some(Unit::Mm)).unwrap().0, small());
     assert!(stated("\tinches\t", Some(Unit::Mm)).is_err());
 }
@@ -129,7 +159,7 @@ fn the_ending_chooses_the_format() {
         let read = artifact::read_trajectories::<Trajectories3d>(&path, Some(Unit::Mm)).unwrap();
         assert_eq!(read, (small(), vec![]), "{name}");
         let other = artifact::read_trajectories::<Trajectories3d>(&path, Some(Unit::M)).unwrap_err();
-        assert!(other.what.contains("says mm, but --unit says m"), "{other}");
+        assert!(other.what.contains("says mm, but --marker-unit says m"), "{other}");
     }
     let unknown = folder.path().join("take.bvh");
     assert!(artifact::write_trajectories::<Trajectories3d>(&unknown, &small()).is_err());

@@ -46,12 +46,29 @@ impl Report {
         &self.all.summary
     }
 
-    /// Why the two are further apart than `tolerance`, if they are. Where regions were asked for, they decide;
-    /// what lies outside them does not count.
+    /// What a verdict rests on: the regions where some were asked for, else everything.
+    fn judged(&self) -> &[Part] {
+        if self.regions.is_empty() { std::slice::from_ref(&self.all) } else { &self.regions }
+    }
+
+    /// The first part that a verdict would rest on although nothing was compared in it, as a sentence.
+    #[must_use]
+    pub fn uncompared(&self) -> Option<String> {
+        let part = self.judged().iter().find(|part| part.summary.count == 0)?;
+        Some(match self.regions.is_empty() {
+            true => "nothing was compared".to_string(),
+            false => format!("nothing was compared in region {}", part.name),
+        })
+    }
+
+    /// Why the two do not pass for equal within `tolerance`, if they do not: they are further apart, or there was
+    /// nothing to compare. Where regions were asked for, they decide; what lies outside them does not count.
     #[must_use]
     pub fn excess(&self, tolerance: f64) -> Option<String> {
-        let judged =
-            if self.regions.is_empty() { std::slice::from_ref(&self.all) } else { &self.regions[..] };
+        if let Some(nothing) = self.uncompared() {
+            return Some(nothing);
+        }
+        let judged = self.judged();
         let beyond: Vec<&Part> = judged.iter().filter(|part| part.summary.max > tolerance).collect();
         let worst = beyond.iter().copied().max_by(|a, b| a.summary.max.total_cmp(&b.summary.max))?;
         let Summary { max, max_at, .. } = &worst.summary;

@@ -37,6 +37,18 @@ fn markers(path: &Path, x: f64) {
     writer.finish().unwrap().publish().unwrap();
 }
 
+/// The markers' frames, without a sample.
+fn gap(path: &Path) {
+    let ids = vec!["brow_l".to_string(), "lip_r".to_string()];
+    let header = MarkerHeader { unit: Unit::Mm, rate: None, markers: ids, take: None };
+    let mut writer = FrameWriter::<Trajectories3d>::create(path, header).unwrap();
+    for frame in [1001, 1002] {
+        let (points, status) = (vec![None; 2], vec![SampleStatus::Measured; 2]);
+        writer.write(&MarkerFrame { frame, points, status }).unwrap();
+    }
+    writer.finish().unwrap().publish().unwrap();
+}
+
 fn handles(path: &Path, mesh: &MeshRef, vertex: u32, x: f64) {
     let handles = vec![Handle { marker: "lip_r".into(), vertex }];
     let header = HandlesHeader { mesh: mesh.clone(), rate: None, handles, take: None, warp: None };
@@ -79,7 +91,10 @@ fn folder() -> TempDir {
         let set =
             VertexSet { mesh: MeshRef { unit: Unit::Mm, ..mesh }, name: "lip".into(), vertices: vec![0, 2] };
         artifact::write_document(&at("lip.json"), &set).unwrap().publish().unwrap();
+        let none = VertexSet { name: "none".into(), vertices: Vec::new(), ..set };
+        artifact::write_document(&at("none.json"), &none).unwrap().publish().unwrap();
     }
+    gap(&at("gap.jsonl"));
     folder
 }
 
@@ -109,7 +124,7 @@ fn tables() {
 }
 
 /// Arguments, exit code, and what the message must say.
-const VERDICTS: [(&[&str], i32, &str); 17] = [
+const VERDICTS: [(&[&str], i32, &str); 20] = [
     (&["a.obj", "b.obj", "--unit", "mm", "--tolerance-mm", "2.5"], 0, ""),
     (
         &["a.obj", "b.obj", "--unit", "mm", "--tolerance-mm", "2"],
@@ -135,6 +150,13 @@ const VERDICTS: [(&[&str], i32, &str); 17] = [
     (&["a.obj", "none.obj", "--unit", "mm"], 1, "none.obj: cannot read"),
     (&["a.txt", "b.obj"], 1, "a.txt: has an ending that is not known"),
     (&["a.obj", "b.obj", "--tolerance-mm", "-1"], 2, "tolerance"),
+    (
+        &["a.obj", "a.obj", "--unit", "mm", "--region", "none.json", "--tolerance-mm", "9"],
+        1,
+        "they cannot be judged: nothing was compared in region none",
+    ),
+    (&["a-markers.jsonl", "gap.jsonl", "--tolerance-mm", "9"], 1, "nothing was compared"),
+    (&["a-markers.jsonl", "gap.jsonl"], 0, ""),
 ];
 
 #[test]

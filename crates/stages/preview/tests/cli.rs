@@ -75,6 +75,16 @@ fn a_mesh_becomes_a_picture_with_a_side_car() {
 }
 
 #[test]
+fn the_side_car_says_which_frames_were_asked_for() {
+    let folder = folder();
+    let arguments = ["--sequence", "take.json", "--frames", "1002-", "--count", "2"];
+    preview(folder.path()).args(SMALL).args(arguments).assert().success();
+    let side_car = artifact::read_text(&folder.path().join("sheet.png.prov.json")).unwrap();
+    let flat: String = side_car.split_whitespace().collect();
+    assert!(flat.contains(r#""frames":["1002-"],"count":2,"format":"png""#), "{side_car}");
+}
+
+#[test]
 fn the_number_of_threads_changes_no_byte() {
     let folder = folder();
     let bytes = |threads: &str| {

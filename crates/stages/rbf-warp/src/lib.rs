@@ -35,6 +35,7 @@ mod folding;
 mod interpolant;
 mod invert;
 mod kernel;
+mod likeness;
 mod params;
 mod polynomial;
 mod rest;

@@ -34,6 +34,20 @@ pub enum Warning {
         /// Scale from mocap to face.
         scale: f64,
     },
+    /// A reflection of the markers fits the scan much better.
+    Mirrored {
+        /// Root mean square residual of the best similarity, mm.
+        rms_mm: f64,
+        /// … with the markers reflected, mm.
+        mirrored_mm: f64,
+    },
+    /// Markers and scan differ by more than an expression.
+    Unlike {
+        /// Root mean square residual of the best similarity, mm.
+        rms_mm: f64,
+        /// Root mean square distance of the vertices from their centroid, mm.
+        spread_mm: f64,
+    },
     /// One marker is far from where the others expect it.
     Suspicious {
         /// Marker id.
@@ -73,8 +87,18 @@ impl fmt::Display for Warning {
             ),
             Self::Units { scale } => write!(
                 f,
-                "the scan is {scale:.4} times as large as the marker set: do the units disagree? Check --unit and the \
-                 markers' unit"
+                "the scan is {scale:.4} times as large as the marker set: do the units disagree? Check --unit and \
+                 --marker-unit"
+            ),
+            Self::Mirrored { rms_mm, mirrored_mm } => write!(
+                f,
+                "markers and scan look mirrored: they are {rms_mm:.1} mm apart at best, {mirrored_mm:.1} mm with the \
+                 markers reflected; check left and right in the picks, and the axes of both"
+            ),
+            Self::Unlike { rms_mm, spread_mm } => write!(
+                f,
+                "the markers at rest are {rms_mm:.1} mm from the scan at best, in a set that spreads over \
+                 {spread_mm:.1} mm: check the picks, the marker names and the rest frame"
             ),
             Self::Suspicious { marker, error_mm, median_mm } => write!(
                 f,

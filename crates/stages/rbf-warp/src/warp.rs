@@ -4,6 +4,7 @@ use crate::fit::{InterpolantFit, Pairs, fit_interpolant};
 use crate::folding::folding;
 use crate::interpolant::RbfMap;
 use crate::invert::Inverse;
+use crate::likeness;
 use crate::params::{FitParams, InvertParams};
 use crate::rest::{self, RestPoint};
 use crate::warning::{Warning, is_doubtful_scale};
@@ -64,6 +65,7 @@ pub fn fit_warp(
     if is_doubtful_scale(forward.similarity.scaling()) {
         warnings.push(Warning::Units { scale: forward.similarity.scaling() });
     }
+    warnings.extend(likeness::doubt(&sites.mocap, &sites.face, &forward.similarity));
     warnings.extend(suspicious(&sites.markers, &forward.leave_one_out_mm));
     if let Some(&vertex) = folding.unreached.first() {
         warnings.push(Warning::Unreached { count: folding.unreached.len(), vertex });

@@ -94,6 +94,65 @@ fn the_number_of_threads_changes_no_byte() {
     }
 }
 
+fn side_car(folder: &Folder, name: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.path(name)).unwrap()).unwrap()
+}
+
+#[test]
+fn a_marker_unit_agrees_or_is_refused_and_is_recorded() {
+    let folder = Folder::new(40);
+    let handles = "handles --warp warp.json --markers head.jsonl --out handles.jsonl";
+    succeed(&folder, &format!("{FIT} --marker-unit mm"));
+    assert_eq!(side_car(&folder, "warp.json.prov.json")["data"]["parameters"]["marker_unit"], "mm");
+    for call in [FIT, handles] {
+        let words = ["head.jsonl, unit: the file says mm, but --marker-unit says cm"];
+        refuse(&folder, &format!("{call} --marker-unit cm"), &words);
+    }
+    succeed(&folder, &format!("{handles} --marker-unit mm --frames 1003-"));
+    let parameters = &side_car(&folder, "handles.jsonl.prov.json")["data"]["parameters"];
+    assert_eq!((&parameters["marker_unit"], &parameters["frames"]), (&"mm".into(), &"1003-".into()));
+}
+
+#[test]
+fn values_out_of_range_are_usage_errors() {
+    let folder = Folder::new(3);
+    for (arguments, range) in [
+        (format!("{FIT} --near-mm -1"), "a number from 0 on"),
+        (format!("{FIT} --fill-frames -1"), "0..=4294967295"),
+        ("correspond --mesh m --picks p --out o --max-distance-mm -1".into(), "a number above 0"),
+        ("apply --warp w --points p --out o --inverse --tolerance-mm -1".into(), "a number above 0"),
+    ] {
+        let output = run(&folder, &arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {message}");
+        assert!(message.contains("'-1'") && message.contains(range), "{message}");
+    }
+}
+
+/// Changes the markers of every frame and returns the fit's warnings.
+fn warnings(change: impl Fn(usize, nalgebra::Point3<f64>) -> nalgebra::Point3<f64>) -> String {
+    let folder = Folder::new(40);
+    let mut head = Trajectories::read::<HeadTrajectories>(&folder.path("head.jsonl")).unwrap();
+    for frame in &mut head.frames {
+        for (marker, point) in frame.points.iter_mut().enumerate() {
+            *point = point.map(|point| change(marker, point));
+        }
+    }
+    folder.write_head("head.jsonl", &head);
+    let summary: Value = serde_json::from_slice(&succeed(&folder, &format!("{FIT} --json")).stdout).unwrap();
+    summary["warnings"].to_string()
+}
+
+#[test]
+fn what_is_no_likeness_is_told() {
+    let sound = warnings(|_, point| point);
+    assert!(!sound.contains("mirrored") && !sound.contains("at best"), "{sound}");
+    let mirrored = warnings(|_, p| nalgebra::Point3::new(p.x, -p.y, p.z));
+    assert!(mirrored.contains("markers and scan look mirrored"), "{mirrored}");
+    let strewn = warnings(|marker, p| p + nalgebra::Vector3::repeat(15.0 * (marker as f64 * 2.4).sin()));
+    assert!(strewn.contains("mm from the scan at best") && !strewn.contains("mirrored"), "{strewn}");
+}
+
 #[test]
 fn too_few_markers_are_refused_and_linear_is_offered() {
     let folder = Folder::new(9);

@@ -1,5 +1,6 @@
 //! Why a take cannot be stabilised.
 
+use crate::words::{counted, extent};
 use std::path::Path;
 
 /// Why a take cannot be stabilised.
@@ -14,11 +15,20 @@ pub enum Error {
         close: Vec<String>,
     },
     /// Fewer than three head markers.
-    #[error("{} head markers ({}); three that are no line are needed", .0.len(), .0.join(", "))]
+    #[error("{} ({}); three that are no line are needed", counted(.0.len(), "head marker"), .0.join(", "))]
     TooFewHeadMarkers(Vec<String>),
+    /// The head markers are all that there is.
+    #[error("the head markers ({}) are all {count} markers of the take, so none is left to write", .wanted.join(", "))]
+    NothingLeft {
+        /// The ids and patterns that named them.
+        wanted: Vec<String>,
+        /// Markers of the take.
+        count: usize,
+    },
     /// No names given, and too few markers to look for a rigid group.
     #[error(
-        "has {0} markers that are seen in half of the frames; three are needed to find the head among them"
+        "has {} seen in half of the frames; three are needed to find the head among them",
+        counted(*.0, "marker")
     )]
     TooFewMarkers(usize),
     /// The head markers lie on a line.
@@ -28,7 +38,7 @@ pub enum Error {
     #[error("no frame shows three head markers that are no line and keep their distances (of {})", .0.join(", "))]
     NeverSeen(Vec<String>),
     /// The reference frame is not in the take.
-    #[error("the take has no such frame; it runs from {first} to {last}")]
+    #[error("the take has no such frame; it {}", extent(*first, *last))]
     NoReferenceFrame {
         /// The frame asked for.
         frame: i64,
@@ -100,6 +110,7 @@ impl Error {
                 "name more head markers, spread over the head, or none: then the least deforming ones are used"
                     .into()
             }
+            Self::NothingLeft { .. } => "name only markers on rigid parts, or say --keep-head-markers".into(),
             Self::TooFewMarkers(_) => "a take of the whole face is needed".into(),
             Self::NeverSeen(_) => "check the names of the head markers and the take's labels".into(),
             Self::NoReferenceFrame { .. } => "give a frame of the take, or --reference-frame auto".into(),

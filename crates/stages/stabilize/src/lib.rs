@@ -51,9 +51,10 @@ mod robust;
 mod samples;
 mod stabilizer;
 mod swaps;
+mod words;
 
 pub use error::Error;
 pub use outcome::Stabilized;
-pub use params::{JumpLimit, Params, Swaps};
+pub use params::{JumpLimit, Params, Swaps, TIMES_MS};
 pub use report::{Gaps, JumpReport, PlaceReport, Report};
 pub use stabilizer::stabilize;

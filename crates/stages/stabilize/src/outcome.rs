@@ -4,7 +4,7 @@ use crate::Params;
 use crate::pose::Pose;
 use crate::report::{Gaps, Report};
 use crate::samples::Samples;
-use crate::stabilizer::{Findings, Work};
+use crate::stabilizer::{Findings, Work, written};
 use crate::swaps::runs;
 use artifact::{HeadPoseFrame, HeadPoseHeader, MarkerFrame, MarkerHeader, SampleStatus, Trajectories};
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
@@ -25,11 +25,7 @@ pub struct Stabilized {
 impl Work {
     /// Everything in head space, in the reference frame's coordinates.
     pub(crate) fn finish(&self, take: &Trajectories, params: &Params, found: Findings) -> Stabilized {
-        let written: Vec<usize> = (0..self.ids.len())
-            .filter(|m| {
-                params.head_markers.is_empty() || params.keep_head_markers || !self.body.markers.contains(m)
-            })
-            .collect();
+        let written = written(&self.ids, &self.body, params);
         let header = MarkerHeader {
             markers: written.iter().map(|&m| self.ids[m].clone()).collect(),
             ..take.header.clone()
@@ -117,7 +113,7 @@ impl Work {
             residual_rms_mm: root_mean(&squares),
             jitter_removed_rms_mm: root_mean(&shifts),
             pose_gap_frames: self.poses.iter().filter(|pose| pose.is_none()).count(),
-            pose_interpolated_frames: poses().filter(|(_, pose)| !pose.used.contains(&true)).count(),
+            pose_bridged_frames: poses().filter(|(_, pose)| !pose.used.contains(&true)).count(),
             filled_samples: found.filled.len(),
             ..Default::default()
         };

@@ -2,7 +2,11 @@
 
 use crate::Error;
 use serde::Serialize;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
+
+/// Times that may be asked for, ms.
+pub const TIMES_MS: RangeInclusive<f64> = 0.0..=10_000.0;
 
 /// How a take is stabilised.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,7 +66,7 @@ impl FromStr for JumpLimit {
             "off" => Ok(Self::Off),
             _ => match text.parse::<f64>() {
                 Ok(limit) if limit.is_finite() && limit > 0.0 => Ok(Self::Mm(limit)),
-                _ => Err(format!("'{text}' is not a length in mm, 'auto' or 'off'")),
+                _ => Err(format!("'{text}' is not a positive length in mm, 'auto' or 'off'")),
             },
         }
     }
@@ -84,7 +88,7 @@ impl Params {
     /// # Errors
     /// [`Error::Parameter`].
     pub fn check(&self) -> Result<(), Error> {
-        let time = |name, value: f64| match (0.0..=10_000.0).contains(&value) {
+        let time = |name, value: f64| match TIMES_MS.contains(&value) {
             true => Ok(()),
             false => Err(Error::Parameter { name, value, allowed: "0 to 10000 ms are allowed" }),
         };

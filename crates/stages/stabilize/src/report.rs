@@ -2,6 +2,7 @@
 
 use crate::jumps::Jump;
 use crate::swaps::Swap;
+use crate::words::{counted, span};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -27,8 +28,8 @@ pub struct Report {
     pub jitter_removed_rms_mm: f64,
     /// Frames without a pose.
     pub pose_gap_frames: usize,
-    /// Frames whose pose was interpolated over time.
-    pub pose_interpolated_frames: usize,
+    /// Frames whose pose no head marker shows: interpolated over time, or carried over the gap by the face.
+    pub pose_bridged_frames: usize,
     /// Per head marker the frames in which it was seen but not trusted: it had slipped, or was another one.
     pub head_marker_rejected: BTreeMap<String, usize>,
     /// Markers that are seen in no frame.
@@ -119,11 +120,16 @@ impl Report {
         // Found markers are skin: that they move now and then is no news.
         let named = (!self.head_markers_found).then_some(&self.head_marker_rejected);
         let rejected = named.into_iter().flatten().map(|(id, count)| {
-            format!("head marker {id} was off its place and left out in {count} of {} frames", self.frames)
+            let frames = counted(self.frames, "frame");
+            format!("head marker {id} was off its place and left out in {count} of {frames}")
         });
         let jumps = self.jumps.iter().map(JumpReport::sentence);
         let gap = (self.pose_gap_frames > 0).then(|| {
-            format!("{} frames have no pose: fewer than three head markers agree there", self.pose_gap_frames)
+            let (frames, have) = (
+                counted(self.pose_gap_frames, "frame"),
+                if self.pose_gap_frames == 1 { "has" } else { "have" },
+            );
+            format!("{frames} {have} no pose: fewer than three head markers agree there")
         });
         let soft = (self.head_markers_found && self.residual_rms_mm > SOFT_MM).then(|| {
             let stray = self.residual_rms_mm;
@@ -135,7 +141,7 @@ impl Report {
 
 impl JumpReport {
     fn sentence(&self) -> String {
-        let [first, last] = self.frames;
+        let first = self.frames[0];
         let (marker, step) = (&self.marker, self.step_mm);
         if !self.removed {
             return format!(
@@ -146,13 +152,46 @@ impl JumpReport {
             .at_place_of
             .iter()
             .map(|place| {
-                let done = if place.mended { ", given to it" } else { "" };
-                format!("; in {}-{} at the place of {}{done}", place.frames[0], place.frames[1], place.marker)
+                let (frames, other) = (span(place.frames), &place.marker);
+                let mended = format!("; those samples were given to {other}");
+                let done = if place.mended { mended } else { String::new() };
+                format!("; in {frames} it stands at the place of {other}{done}")
             })
             .collect();
         format!(
-            "marker {marker} is off its place in frames {first}-{last} ({step:.1} mm): taken out{}",
+            "marker {marker} is off its place in {} ({step:.1} mm): taken out{}",
+            span(self.frames),
             places.concat()
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_says_where_its_samples_went() {
+        let place = PlaceReport { marker: "b".into(), frames: [8, 9], mended: true };
+        let mut jump = JumpReport {
+            marker: "a".into(),
+            frames: [5, 9],
+            step_mm: 20.0,
+            removed: true,
+            at_place_of: vec![place],
+        };
+        let off = "marker a is off its place in frames 5-9 (20.0 mm): taken out";
+        let there = "; in frames 8-9 it stands at the place of b";
+        let given = "; those samples were given to b";
+        assert_eq!(jump.sentence(), format!("{off}{there}{given}"));
+        jump.at_place_of[0].mended = false;
+        assert_eq!(jump.sentence(), format!("{off}{there}"));
+    }
+
+    #[test]
+    fn one_frame_is_singular() {
+        let report = |frames| Report { pose_gap_frames: frames, ..Default::default() };
+        assert!(report(1).warnings()[0].starts_with("1 frame has no pose"));
+        assert!(report(2).warnings()[0].starts_with("2 frames have no pose"));
     }
 }

@@ -79,6 +79,9 @@ impl Work {
         };
         let rows: Vec<&Row> = world.points.iter().map(Vec::as_slice).collect();
         let body = find_body(&rows, &ids, params)?;
+        if written(&ids, &body, params).is_empty() {
+            return Err(Error::NothingLeft { wanted: params.head_markers.clone(), count: ids.len() });
+        }
         let mut poses = fit_poses(&body, &rows);
         if poses.iter().all(Option::is_none) {
             return Err(Error::NeverSeen(body.markers.iter().map(|&m| ids[m].clone()).collect()));
@@ -149,6 +152,13 @@ impl Work {
         let best = known.rev().max_by_key(|(f, _)| seen(*f));
         best.ok_or_else(|| Error::NeverSeen(self.body.markers.iter().map(|&m| self.ids[m].clone()).collect()))
     }
+}
+
+/// Markers that are written, as positions among `ids`: named head markers are not, unless they are kept.
+pub(crate) fn written(ids: &[String], body: &RigidBody, params: &Params) -> Vec<usize> {
+    let stays =
+        |m: &usize| params.head_markers.is_empty() || params.keep_head_markers || !body.markers.contains(m);
+    (0..ids.len()).filter(stays).collect()
 }
 
 fn find_body(rows: &[&Row], ids: &[String], params: &Params) -> Result<RigidBody, Error> {

@@ -87,6 +87,26 @@ fn it_writes_both_kinds_with_side_cars_and_a_summary() {
     assert_eq!(side_car["data"]["parameters"]["smooth_ms"], 60.0);
 }
 
+#[test]
+fn unit_and_frames_stand_in_the_side_cars() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "take.jsonl", &nodding_take());
+    let parameters = |arguments: &[&str]| -> Value {
+        assert!(stabilize(&folder, &[&NAMED, arguments].concat()).status.success());
+        let side_car: Value = serde_json::from_slice(&bytes(&folder, "head.jsonl.prov.json")).unwrap();
+        side_car["data"]["parameters"].clone()
+    };
+    let stated = parameters(&["--marker-unit", "mm", "--frames", "1003-"]);
+    assert_eq!((&stated["marker_unit"], &stated["frames"]), (&"mm".into(), &"1003-".into()));
+    let plain = parameters(&[]);
+    assert_eq!((&plain["marker_unit"], &plain["frames"]), (&Value::Null, &"all".into()));
+    assert_refused(
+        &folder,
+        &["--marker-unit", "cm"],
+        &["take.jsonl, unit: the file says mm, but --marker-unit says cm"],
+    );
+}
+
 /// The head is found from the whole take, so that parts written apart join to the whole, byte for byte.
 #[test]
 fn parts_join_to_the_whole() {
@@ -145,6 +165,10 @@ fn bad_head_markers_are_refused_by_name() {
         &["take.jsonl", "head-0, head-1, head-2", "line"],
     );
     assert_refused(&folder, &["--head-markers", "head-*", "--drop", "ghost*"], &["take.jsonl", "ghost*"]);
+    assert_refused(&folder, &named("head-0"), &["take.jsonl", "1 head marker (head-0)"]);
+    write(&folder, "take.jsonl", &nodding_take());
+    let all = ["take.jsonl", "the head markers (*) are all 36 markers", "--keep-head-markers"];
+    assert_refused(&folder, &named("*"), &all);
 }
 
 #[test]
@@ -174,7 +198,7 @@ fn bad_files_are_refused_by_name() {
     plant(&folder, "take.jsonl", &format!("{header}\n{{\"frame\":4,\"points\":{{\"a\":[1,2,3]}}}}\n"));
     assert_refused(&folder, &[], &["take.jsonl", "no frame rate", "--take"]);
     let untimed = ["--smooth-ms", "0", "--fill-ms", "0", "--jump-mm", "10"];
-    assert_refused(&folder, &untimed, &["take.jsonl", "has 1 markers"]);
+    assert_refused(&folder, &untimed, &["take.jsonl", "has 1 marker seen"]);
     plant(&folder, "take.jsonl", &header.replace("\"mm\"", "\"cm\""));
     assert_refused(&folder, &[], &["take.jsonl", "unit", "cm"]);
     plant(&folder, "take.jsonl", &header.replace("trajectories-3d", "head-trajectories"));
@@ -220,7 +244,16 @@ fn the_take_gives_the_rate_and_is_checked() {
 fn outputs_must_differ_and_usage_is_exit_2() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder, "take.jsonl", &nodding_take());
-    assert_refused(&folder, &["--head-markers", "head-*", "--fill-ms", "-1"], &["fill-ms is -1"]);
+    for (option, range) in [
+        ("--fill-ms", "a time from 0 to 10000 ms"),
+        ("--smooth-ms", "a time from 0 to 10000 ms"),
+        ("--jump-mm", "a positive length in mm"),
+    ] {
+        let output = stabilize(&folder, &[option, "-1"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("'-1'") && message.contains(range), "{message}");
+    }
     let mut command = Command::cargo_bin("stabilize").unwrap();
     command.current_dir(folder.path()).args(["--markers", "take.jsonl", "--out", "x", "--pose", "x"]);
     assert_eq!(command.output().unwrap().status.code(), Some(1));

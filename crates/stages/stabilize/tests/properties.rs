@@ -178,7 +178,7 @@ fn short_pose_gaps_are_bridged_and_long_ones_are_not() {
         assert_eq!(pose.residual_mm.is_some(), expected.1 > 0);
     }
     assert!(stable.head.frames[110].points.iter().all(Option::is_none));
-    assert_eq!((stable.report.pose_gap_frames, stable.report.pose_interpolated_frames), (20, 8));
+    assert_eq!((stable.report.pose_gap_frames, stable.report.pose_bridged_frames), (20, 8));
     let worst = pose_error(&stable, nodding).into_iter().fold(0.0, f64::max);
     assert!(worst < 1.0, "{worst} mm, though the head nods by 15°: the face carries the pose");
 }

@@ -1,7 +1,7 @@
 //! The data section: points, and analog values that are passed over.
 
 use super::layout::{Layout, Storage};
-use crate::markers::listed;
+use crate::markers::warn_of_origins;
 use crate::{MarkerFrame, SampleStatus, Violation};
 use nalgebra::Point3;
 
@@ -28,7 +28,7 @@ impl Decoder<'_> {
             .zip(frames)
             .map(|(number, frame)| self.frame(number, frame))
             .collect::<std::result::Result<_, _>>()?;
-        self.warn_of_origins(&frames, warnings);
+        warn_of_origins(self.ids, &frames, warnings);
         Ok(frames)
     }
 
@@ -64,22 +64,6 @@ impl Decoder<'_> {
                 "{word} is not a finite number, and the sample is not marked as missing (by a residual of -1)"
             )),
             None => Ok(Some(Point3::new(f64::from(x), f64::from(y), f64::from(z)) * self.mm_per_unit)),
-        }
-    }
-
-    /// Some writers store a missing sample as the origin without marking it.
-    fn warn_of_origins(&self, frames: &[MarkerFrame], warnings: &mut Vec<String>) {
-        let at_origin = |marker: usize| {
-            frames.iter().filter(|frame| frame.points[marker] == Some(Point3::origin())).count()
-        };
-        let counts = self.ids.iter().enumerate().map(|(marker, id)| (id, at_origin(marker)));
-        let suspects: Vec<String> =
-            counts.filter(|(_, count)| *count > 0).map(|(id, count)| format!("{id} in {count}")).collect();
-        if !suspects.is_empty() {
-            warnings.push(format!(
-                "markers lie exactly at the origin without being marked as missing (frames: {}); kept as measured",
-                listed(&suspects)
-            ));
         }
     }
 }

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, clap::Args, Serialize)]
 pub(crate) struct Parameters {
     /// Unit of both files' coordinates, where they do not say it: mm, cm or m
-    #[arg(long)]
+    #[arg(long, visible_alias = "marker-unit")]
     pub(crate) unit: Option<Unit>,
     /// Unit of the second file's coordinates, if it is another one
     #[arg(long, value_name = "UNIT")]

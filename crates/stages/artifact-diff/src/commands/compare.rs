@@ -56,6 +56,12 @@ fn check(parameters: &Parameters, kind: Kind) -> anyhow::Result<()> {
 
 fn judge(run: &mut Run, report: &Report, parameters: &Parameters) {
     let tolerance = parameters.tolerance_mm.or(parameters.tolerance_levels);
+    if let Some(nothing) = report.uncompared().filter(|_| tolerance.is_some() || parameters.strict) {
+        run.object(format!(
+            "they cannot be judged: {nothing}\n  to do: check --region, --frames and the files"
+        ));
+        return;
+    }
     let mut objections: Vec<String> =
         tolerance.and_then(|tolerance| report.excess(tolerance)).into_iter().collect();
     if parameters.strict {

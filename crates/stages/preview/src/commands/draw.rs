@@ -25,6 +25,10 @@ struct Parameters<'a> {
     size: [u32; 2],
     columns: usize,
     title: &'a str,
+    /// As the user said; empty: any.
+    frames: Vec<String>,
+    count: Option<u32>,
+    format: &'static str,
 }
 
 /// What was found out about the values of one shot.
@@ -62,6 +66,9 @@ pub(crate) fn draw(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         size: arguments.size,
         columns,
         title: &arguments.title,
+        frames: arguments.frames.iter().map(ToString::to_string).collect(),
+        count: arguments.count,
+        format: "png",
     })?;
 
     let studio = Studio { frames, close_up, size: arguments.size, look, views: arguments.view.clone() };

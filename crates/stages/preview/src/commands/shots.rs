@@ -93,11 +93,8 @@ pub(crate) fn select(
     for range in ranges {
         if !frames.iter().any(|&frame| range.contains(frame)) {
             let (first, last) = (frames[0], frames[frames.len() - 1]);
-            let what = if range.first == range.last {
-                format!("frame {}", range.first)
-            } else {
-                format!("frames {range}")
-            };
+            let noun = if range.first == range.last { "frame" } else { "frames" };
+            let what = format!("{noun} {range}");
             bail!("{}: has no {what}\n  to do: choose from {first} to {last}", sequence.path().display());
         }
     }

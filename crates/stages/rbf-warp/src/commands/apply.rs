@@ -27,7 +27,7 @@ pub(crate) struct Apply {
     #[arg(long)]
     inverse: bool,
     /// Back: a point is found when the warp carries it this close to where it should go, mm
-    #[arg(long, value_name = "MM", default_value_t = InvertParams::default().tolerance_mm, requires = "inverse")]
+    #[arg(long, value_name = "MM", default_value_t = InvertParams::default().tolerance_mm, allow_negative_numbers = true, value_parser = super::positive, requires = "inverse")]
     tolerance_mm: f64,
     /// Back: write the closest place where no preimage is found, instead of failing
     #[arg(long, requires = "inverse")]

@@ -27,7 +27,7 @@ pub(crate) struct Correspond {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Refuse a pick that is farther from every vertex, mm
-    #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = positive)]
+    #[arg(long, value_name = "MM", default_value_t = 3.0, allow_negative_numbers = true, value_parser = super::positive)]
     max_distance_mm: f64,
 }
 
@@ -35,13 +35,6 @@ pub(crate) struct Correspond {
 struct Parameters {
     unit: Unit,
     max_distance_mm: f64,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err(format!("'{text}' is not a positive number")),
-    }
 }
 
 impl Correspond {

@@ -3,6 +3,7 @@
 use anyhow::{Context, bail};
 use artifact::{Correspondence, HeadTrajectories, Unit, WarpFit};
 use rbf_warp::{Degree, FitParams, FittedWarp, RestFrame, Source, fit_warp};
+use serde::Serialize;
 use stage::Run;
 use std::path::PathBuf;
 
@@ -34,21 +35,29 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "DEGREE", default_value = "quadratic")]
     degree: Degree,
     /// A marker missing at rest is taken from frames this far away at most
-    #[arg(long, value_name = "FRAMES", default_value_t = FitParams::default().fill_frames)]
+    #[arg(long, value_name = "FRAMES", default_value_t = FitParams::default().fill_frames, allow_negative_numbers = true)]
     fill_frames: u32,
     /// Look for folds on the scan this far from the markers, mm
-    #[arg(long, value_name = "MM", default_value_t = FitParams::default().near_mm)]
+    #[arg(long, value_name = "MM", default_value_t = FitParams::default().near_mm, allow_negative_numbers = true, value_parser = super::from_zero)]
     near_mm: f64,
     /// Warp to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
 
+#[derive(Serialize)]
+struct Parameters {
+    #[serde(flatten)]
+    params: FitParams,
+    /// As the user stated it; absent where the file's own word is taken.
+    marker_unit: Option<Unit>,
+}
+
 impl Fit {
     pub(crate) fn run(self, run: &mut Run) -> anyhow::Result<()> {
         run.subcommand("fit");
         let params = self.params();
-        run.parameters(&params)?;
+        run.parameters(&Parameters { params, marker_unit: self.marker_unit })?;
         let take = self.take.as_deref().map(|take| stage::load_take(run, take)).transpose()?;
         let correspondence: Correspondence = artifact::read_document(&self.correspondence)?;
         run.input("correspondence", &self.correspondence)?;

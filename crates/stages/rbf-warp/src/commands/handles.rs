@@ -36,6 +36,8 @@ pub(crate) struct Handles {
 
 #[derive(Serialize)]
 struct Parameters {
+    /// As the user stated it; absent where the file's own word is taken.
+    marker_unit: Option<Unit>,
     frames: String,
     across_takes: bool,
 }
@@ -44,7 +46,11 @@ impl Handles {
     pub(crate) fn run(self, run: &mut Run) -> anyhow::Result<()> {
         run.subcommand("handles");
         let range = self.frames.unwrap_or(FrameRange::ALL);
-        run.parameters(&Parameters { frames: range.to_string(), across_takes: self.across_takes })?;
+        run.parameters(&Parameters {
+            marker_unit: self.marker_unit,
+            frames: range.to_string(),
+            across_takes: self.across_takes,
+        })?;
         let warp: Warp = artifact::read_document(&self.warp)?;
         let warp_file = run.input("warp", &self.warp)?;
         let markers = run.input("markers", &self.markers)?;

@@ -12,6 +12,22 @@ use stage::Run;
 use std::path::Path;
 use std::vec::IntoIter;
 
+/// A number above 0, for an option.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err(format!("'{text}' is not a number above 0")),
+    }
+}
+
+/// A number from 0 on, for an option.
+fn from_zero(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err(format!("'{text}' is not a number from 0 on")),
+    }
+}
+
 fn is_stream(path: &Path) -> bool {
     is_standard_stream(path) || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"))
 }
@@ -25,7 +41,9 @@ enum MarkerStream {
 impl MarkerStream {
     fn open(run: &mut Run, path: &Path, unit: Option<Unit>) -> anyhow::Result<Self> {
         if is_stream(path) {
-            return Ok(Self::Lines(FrameReader::open(path)?));
+            let reader = FrameReader::open(path)?;
+            artifact::check_marker_unit(path, reader.header(), unit)?;
+            return Ok(Self::Lines(reader));
         }
         let Trajectories { header, frames } = run.markers::<HeadTrajectories>(path, unit)?;
         Ok(Self::Whole(header, frames.into_iter()))

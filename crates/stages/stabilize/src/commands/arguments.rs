@@ -2,7 +2,7 @@
 
 use artifact::{FrameRange, Unit};
 use clap::{Parser, ValueEnum};
-use stabilize::{JumpLimit, Params, Swaps};
+use stabilize::{JumpLimit, Params, Swaps, TIMES_MS};
 use std::path::PathBuf;
 
 /// Takes the head's rigid motion out of marker trajectories
@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     pub(crate) markers: PathBuf,
     /// Unit of the markers' coordinates, where the file may not say it
     #[arg(long, value_name = "mm|cm|m")]
-    pub(crate) unit: Option<Unit>,
+    pub(crate) marker_unit: Option<Unit>,
     /// Take manifest: gives the frame rate and is referred to by what is written
     #[arg(long, value_name = "FILE")]
     pub(crate) take: Option<PathBuf>,
@@ -31,13 +31,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = reference_frame, allow_hyphen_values = true)]
     reference_frame: ReferenceFrame,
     /// Time scale of the pose's jitter, ms; 0: the pose stays as fitted
-    #[arg(long, value_name = "MS", default_value_t = 60.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", default_value_t = 60.0, allow_negative_numbers = true, value_parser = milliseconds)]
     smooth_ms: f64,
     /// Step against its neighbours from which a marker has jumped, mm per frame
-    #[arg(long, value_name = "MM|auto|off", default_value = "auto")]
+    #[arg(long, value_name = "MM|auto|off", default_value = "auto", allow_negative_numbers = true)]
     jump_mm: JumpLimit,
     /// Longest gap that is filled, ms; 0: none
-    #[arg(long, value_name = "MS", default_value_t = 100.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", default_value_t = 100.0, allow_negative_numbers = true, value_parser = milliseconds)]
     fill_ms: f64,
     /// Samples under another marker's name: take them out, or give them back where it is clear whose they are
     #[arg(long, value_enum, default_value_t = SwapsArgument::Mend)]
@@ -75,6 +75,13 @@ fn reference_frame(text: &str) -> Result<ReferenceFrame, String> {
             Ok(frame) => Ok(ReferenceFrame(Some(frame))),
             Err(_) => Err("say a frame number, or auto".into()),
         },
+    }
+}
+
+fn milliseconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(time) if TIMES_MS.contains(&time) => Ok(time),
+        _ => Err(format!("say a time from {} to {} ms", TIMES_MS.start(), TIMES_MS.end())),
     }
 }
 

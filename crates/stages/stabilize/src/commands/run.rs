@@ -2,9 +2,20 @@
 
 use super::{Arguments, input};
 use anyhow::bail;
-use artifact::{FrameRange, FrameWriter, HeadPose, HeadTrajectories};
-use stabilize::{Stabilized, stabilize};
+use artifact::{FrameRange, FrameWriter, HeadPose, HeadTrajectories, Unit};
+use serde::Serialize;
+use stabilize::{Params, Stabilized, stabilize};
 use stage::Run;
+
+/// What stands in the side-cars.
+#[derive(Serialize)]
+struct Parameters<'a> {
+    #[serde(flatten)]
+    params: &'a Params,
+    /// As the user stated it; absent where the file's own word is taken.
+    marker_unit: Option<Unit>,
+    frames: String,
+}
 
 pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     if arguments.out == arguments.pose {
@@ -12,8 +23,13 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     }
     let params = arguments.params();
     params.check()?;
-    run.parameters(&params)?;
-    let take = input::read(run, &arguments.markers, arguments.unit, arguments.take.as_deref())?;
+    let frames = arguments.frames.unwrap_or(FrameRange::ALL);
+    run.parameters(&Parameters {
+        params: &params,
+        marker_unit: arguments.marker_unit,
+        frames: frames.to_string(),
+    })?;
+    let take = input::read(run, &arguments.markers, arguments.marker_unit, arguments.take.as_deref())?;
     let stable = run.timed("stabilize", || stabilize(&take, &params));
     let stable = stable.map_err(|error| error.in_file(&arguments.markers))?;
     stable.report.warnings().into_iter().for_each(|warning| run.warn(warning));
