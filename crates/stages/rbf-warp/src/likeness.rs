@@ -7,7 +7,7 @@ use nalgebra::{Point3, Similarity3, Vector3};
 const MIRRORED: f64 = 0.5;
 /// Residuals below this share of the spread are noise, which a reflection of a flat set may fit better by chance.
 const NOISE: f64 = 0.01;
-/// Residuals above this share of the spread are more than an expression.
+/// Residuals above this share of the spread are wrong pairs or an expression far from rest (a wide-open mouth: 0.13).
 const UNLIKE: f64 = 0.1;
 
 /// What is wrong between the markers at rest and their vertices, if a similarity cannot bring them together. A

@@ -41,7 +41,7 @@ pub enum Warning {
         /// … with the markers reflected, mm.
         mirrored_mm: f64,
     },
-    /// Markers and scan differ by more than an expression.
+    /// Markers and scan differ by wrong pairs, or an expression far from rest.
     Unlike {
         /// Root mean square residual of the best similarity, mm.
         rms_mm: f64,

@@ -60,13 +60,7 @@ pub fn fit_warp(
     let inverse = Inverse::of(map.clone(), RbfMap::new(&backward.interpolant), InvertParams::default());
     let folding = folding(&map, &inverse, &sites.face, positions, params.near_mm);
     let mut warnings = std::mem::take(&mut sites.warnings);
-    warnings.extend(fit_warnings(&forward, "c"));
-    warnings.extend(fit_warnings(&backward, "the map back, where c's inverse starts"));
-    if is_doubtful_scale(forward.similarity.scaling()) {
-        warnings.push(Warning::Units { scale: forward.similarity.scaling() });
-    }
-    warnings.extend(likeness::doubt(&sites.mocap, &sites.face, &forward.similarity));
-    warnings.extend(suspicious(&sites.markers, &forward.leave_one_out_mm));
+    warnings.extend(doubts(&sites, &forward, &backward));
     if let Some(&vertex) = folding.unreached.first() {
         warnings.push(Warning::Unreached { count: folding.unreached.len(), vertex });
     }
@@ -90,6 +84,18 @@ pub fn fit_warp(
         fit,
     };
     Ok(FittedWarp { warp, warnings, irreplaceable })
+}
+
+fn doubts(sites: &Sites, forward: &InterpolantFit, backward: &InterpolantFit) -> Vec<Warning> {
+    let scale = forward.similarity.scaling();
+    let doubts = [
+        fit_warnings(forward, "c"),
+        fit_warnings(backward, "the map back, where c's inverse starts"),
+        is_doubtful_scale(scale).then_some(Warning::Units { scale }),
+        likeness::doubt(&sites.mocap, &sites.face, &forward.similarity),
+        suspicious(&sites.markers, &forward.leave_one_out_mm),
+    ];
+    doubts.into_iter().flatten().collect()
 }
 
 fn fit_warnings(fit: &InterpolantFit, of: &'static str) -> Option<Warning> {
