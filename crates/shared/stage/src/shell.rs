@@ -30,7 +30,7 @@ pub trait Arguments: Parser {
 }
 
 /// Runs a binary: parses the arguments, does `work`, reports, and returns the exit code.
-pub fn run<A: Arguments>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()>) -> ExitCode {
+pub fn run<A: Arguments + Send>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()> + Send) -> ExitCode {
     let arguments = match A::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -44,11 +44,7 @@ pub fn run<A: Arguments>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()>) -
     let command = A::command();
     let mut run = Run::new(command.get_name(), command.get_version().unwrap_or_default(), common.clone());
     on_interrupt(run.name().to_string());
-    if let Some(threads) = common.threads {
-        // Fails only where a pool stands already; results do not depend on it.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-    }
-    let outcome = work(&mut run, arguments).and_then(|()| run.conclude());
+    let outcome = in_pool(common.threads, || work(&mut run, arguments).and_then(|()| run.conclude()));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
@@ -57,6 +53,16 @@ pub fn run<A: Arguments>(work: impl FnOnce(&mut Run, A) -> anyhow::Result<()>) -
             ExitCode::FAILURE
         }
     }
+}
+
+/// Stack of a worker; the work runs on one, and main threads have as much.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Does the work on a thread of the pool, so that parallel parts find it awake: handed over from outside, half of a
+/// short part can pass before the second thread has a processor. Results do not depend on the number of threads.
+fn in_pool(threads: Option<u16>, work: impl FnOnce() -> anyhow::Result<()> + Send) -> anyhow::Result<()> {
+    let threads = threads.map_or(0, usize::from);
+    rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK_BYTES).build()?.install(work)
 }
 
 /// On Ctrl-C or a request to terminate: no temporary file stays, and the exit code says so.

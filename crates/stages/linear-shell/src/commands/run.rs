@@ -242,10 +242,11 @@ fn report_take(run: &mut Run, take: &HandleTake) {
         run.warn(format!("never seen: {}; the shell decides where they go", never.join(", ")));
     }
     if let (Some(first), Some(last)) = (take.gaps.first(), take.gaps.last()) {
-        let count = take.gaps.len();
-        run.warn(format!(
-            "{count} frames from {first} to {last} have no marker at all; they are left out of the sequence"
-        ));
+        let which = match take.gaps.len() {
+            1 => format!("frame {first} has"),
+            count => format!("{count} frames between {first} and {last} have"),
+        };
+        run.warn(format!("{which} no marker at all and stay out of the sequence"));
         run.result("gap_frames", &take.gaps);
     }
 }
