@@ -351,10 +351,11 @@ def bench_pc2(ctx, vertex_count=300_000, frame_count=60):
     for _ in range(5):
         _, summary = deform(ctx, mesh_path, "mm", handles_path, "pc2")
         size = (ctx.tmp / "pc2.pc2").stat().st_size
-        ours.append(size / summary["seconds"]["write"])
+        # The frames' arithmetic counts too: while it runs, the disk is busy with what was written before.
+        ours.append(size / (summary["seconds"]["frames"] + summary["seconds"]["write"]))
         disk.append(size / plain_write(ctx.tmp / "plain.bin", size))
     yield metric("pc2_write_vs_disk", float(np.median(ours) / np.median(disk)), 0.8, "higher", "1", ours_bytes_per_s=ours,
-                 disk_bytes_per_s=disk, timed="conversion, checks, write and fsync; the frames' arithmetic apart")
+                 disk_bytes_per_s=disk, timed="the frames' arithmetic, conversion, checks, write and fsync")
 
 
 def plain_write(path, size):
