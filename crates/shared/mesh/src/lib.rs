@@ -19,6 +19,7 @@ mod connectivity;
 mod mask;
 mod measure;
 mod polygons;
+mod way;
 
 pub use connectivity::{Connectivity, Edge};
 pub use mask::VertexMap;
@@ -26,3 +27,4 @@ pub use measure::{
     bounding_box, edge_length_median, loop_length, mixed_voronoi_areas, triangle_areas, vertex_normals,
 };
 pub use polygons::{Label, LabelKind, Mesh, NO_UV, Polygons};
+pub use way::shortest_way;

@@ -1,6 +1,6 @@
 //! What lies beside what, on meshes whose answers are known.
 
-use mesh::{Connectivity, Mesh};
+use mesh::{Connectivity, Mesh, shortest_way};
 use proptest::prelude::*;
 use testkit::shapes;
 
@@ -55,6 +55,28 @@ fn loops_do_not_cross_at_a_bow_tie() {
         seen.dedup();
         assert_eq!(seen.len(), vertices.len(), "a loop visits a vertex once");
     }
+}
+
+/// Along a grid's edges the way is as long as its steps; a limit below that finds none, nor does another part.
+#[test]
+fn ways_are_shortest_and_keep_their_limit() {
+    let grid = shapes::grid(5, 2.0);
+    let mut edges = vec![Vec::new(); 36];
+    for polygon in grid.polygons.iter() {
+        (0..4).for_each(|i| edges[polygon[i] as usize].push(polygon[(i + 1) % 4]));
+        (0..4).for_each(|i| edges[polygon[(i + 1) % 4] as usize].push(polygon[i]));
+    }
+    let way =
+        |to: u32, limit: f64| shortest_way(&grid.positions, |v| edges[v as usize].as_slice(), 0, to, limit);
+    assert_eq!(way(3, f64::INFINITY), Some(vec![0, 1, 2, 3]));
+    assert_eq!(way(35, 20.0).map(|way| way.len()), Some(11));
+    assert_eq!(way(35, 19.9), None);
+    assert_eq!(way(0, 0.0), Some(vec![0]));
+    let two = shapes::two_components(3, 1.0);
+    let (starts, all) = around(&two).one_rings();
+    let ring = |v: u32| &all[starts[v as usize]..starts[v as usize + 1]];
+    let last = two.positions.len() as u32 - 1;
+    assert_eq!(shortest_way(&two.positions, ring, 0, last, f64::INFINITY), None);
 }
 
 proptest! {

@@ -1,9 +1,8 @@
 //! Is the mouth open where it should be? A scan whose lips are fused costs millimetres, and nothing else shows it.
 
 use crate::Surface;
+use mesh::shortest_way;
 use nalgebra::{Point3, Vector3};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Neighbours of a handle that are watched.
 const NEIGHBORS: usize = 4;
@@ -100,39 +99,7 @@ impl TearWatch {
 /// Whether edges of the surface lead from one vertex to another within a length. Edge paths are up to a tenth longer
 /// than the shortest way on the meshes at hand; the caller's limit leaves room for that.
 fn joined_within(surface: &Surface, ends: [u32; 2], limit_mm: f64) -> bool {
-    let (starts, neighbors) = surface.around.one_rings();
-    let mut nearest = std::collections::HashMap::from([(ends[0], 0.0)]);
-    let mut front = BinaryHeap::from([(Reverse(Length(0.0)), ends[0])]);
-    while let Some((Reverse(Length(length)), vertex)) = front.pop() {
-        if vertex == ends[1] {
-            return true;
-        }
-        for &next in &neighbors[starts[vertex as usize]..starts[vertex as usize + 1]] {
-            let step = (surface.points[next as usize] - surface.points[vertex as usize]).norm();
-            let reached = length + step;
-            if reached <= limit_mm && nearest.get(&next).is_none_or(|&before| reached < before) {
-                nearest.insert(next, reached);
-                front.push((Reverse(Length(reached)), next));
-            }
-        }
-    }
-    false
-}
-
-/// A length that can be ordered; never NaN here.
-#[derive(PartialEq)]
-struct Length(f64);
-
-impl Eq for Length {}
-
-impl PartialOrd for Length {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Length {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
+    let (starts, all) = surface.around.one_rings();
+    let neighbors = |vertex: u32| &all[starts[vertex as usize]..starts[vertex as usize + 1]];
+    shortest_way(&surface.points, neighbors, ends[0], ends[1], limit_mm).is_some()
 }
