@@ -91,6 +91,11 @@ def check_formats_of_others():
         labels, unit, rate, frames, points = trc.read(path)
     assert (labels, unit, rate, frames.tolist()) == (["brow_l", "lip_r"], "mm", 100, [7, 8])
     close(points, [[[1, 2, 3], [np.nan] * 3], [[1.5, 2, 3], [-4, 5, 6.25]]])
+    for reader, name in ((c3d, "c3d/markers.c3d"), (trc, "trc/markers.trc")):
+        labels, unit, rate, frames, points = reader.read(FIXTURES / name)
+        assert labels == ["brow_l", "lip_r", "nose"] and unit == "mm" and abs(rate - 30000 / 1001) < 1e-4, name
+        first = points[list(frames).index(1004)]
+        assert np.allclose(first[0], [0.5, 0.25, 100.5]) and np.isnan(first[2]).all(), name
     data = pathlib.Path(os.environ.get("FURROW_DATA", ROOT.parent / "shared" / "data")) / "c3d"
     if not data.is_dir():
         print(f"skipped: {data} absent")

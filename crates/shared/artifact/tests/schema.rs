@@ -292,3 +292,30 @@ fn frozen_meshes_read() {
         assert_eq!(bytes(&again), bytes(&path), "{file}");
     }
 }
+
+/// The frozen markers in the formats of other systems: read as what they were, and written the same again.
+#[test]
+fn frozen_c3d_and_trc_read() {
+    use artifact::{HeadTrajectories, read_trajectories, write_trajectories};
+    let (_, frames) = stream::<Trajectories3d>();
+    for name in ["c3d/markers.c3d", "trc/markers.trc"] {
+        let (read, warnings) = read_trajectories::<HeadTrajectories>(&fixture(name), None).unwrap();
+        assert_eq!(warnings, Vec::<String>::new(), "{name}");
+        assert_eq!(read.header.markers, ["brow_l", "lip_r", "nose"], "{name}");
+        assert_eq!(read.header.rate.unwrap().hz(), 30_000.0 / 1001.0, "{name}");
+        for frame in &frames {
+            let same = read.frames.iter().find(|other| other.frame == frame.frame).unwrap();
+            for (a, b) in frame.points.iter().zip(&same.points) {
+                // C3D holds 32-bit floats.
+                assert!(
+                    a.is_some() == b.is_some() && a.zip(*b).is_none_or(|(a, b)| (a - b).norm() < 1e-5),
+                    "{name}"
+                );
+            }
+        }
+        let place = Place::new();
+        let again = place.path(name.split('/').next_back().unwrap());
+        write_trajectories::<HeadTrajectories>(&again, &read).unwrap().publish().unwrap();
+        assert_eq!(bytes(&again), bytes(&fixture(name)), "{name}");
+    }
+}
