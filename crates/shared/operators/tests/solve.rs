@@ -114,28 +114,21 @@ fn responses_add_up_to_one_and_the_schur_complement_is_the_energy() {
     assert_eq!(system.responses(false).schur, responses.schur);
 }
 
-/// A part without any prescribed vertex leaves the system singular, and the vertex named lies in it.
+/// What is not positive definite is refused, and the vertex named is one that the system does not hold; so is a system
+/// without unknowns.
 #[test]
-fn a_free_part_is_not_positive_definite() {
+fn what_does_not_determine_the_rest_is_refused() {
     let mesh = shapes::grid(3, 1.0);
-    let count = mesh.positions.len();
-    let mut far = mesh.positions.clone();
-    far.extend(mesh.positions.iter().map(|p| p + nalgebra::Vector3::new(100.0, 0.0, 0.0)));
-    let mut triangles = mesh.triangles();
-    triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| v + count as u32)));
-    let (stiffness, _) = cotan_stiffness(&far, &triangles, 1e4);
-    let ordering = Ordering::nested_dissection(&stiffness, &far);
-    match Dirichlet::factor(&stiffness, &[0], &[], &ordering) {
-        Err(FactorError::NotPositive { vertex }) => assert!(vertex as usize >= count),
-        Err(other) => panic!("{other}"),
-        // Rounding can leave a tiny positive pivot; then the field is unusable, which is why stages look for free
-        // parts before they factor.
-        Ok(_) => {}
-    }
-    assert!(matches!(
-        Dirichlet::factor(&stiffness, &(0..32).collect::<Vec<_>>(), &[], &ordering),
-        Err(FactorError::NothingFree)
-    ));
+    let (mut matrix, _) = cotan_stiffness(&mesh.positions, &mesh.triangles(), 1e4);
+    let ordering = Ordering::nested_dissection(&matrix, &mesh.positions);
+    let everything: Vec<u32> = (0..16).collect();
+    let factor =
+        |matrix: &CsMat<f64>, handles: &[u32]| Dirichlet::factor(matrix, handles, &[], &ordering).err();
+    assert_eq!(factor(&matrix, &everything), Some(FactorError::NothingFree));
+    assert_eq!(factor(&matrix, &[0, 15]), None);
+    // One vertex is pushed away instead of held.
+    *matrix.get_mut(6, 6).unwrap() = -10.0;
+    assert_eq!(factor(&matrix, &[0, 15, 1, 2, 5, 7, 9, 10]), Some(FactorError::NotPositive { vertex: 6 }));
 }
 
 /// The saved order is checked.
