@@ -1,7 +1,8 @@
 //! Transforms and cameras.
 //!
 //! Transforms are named `target_from_source`. [`fit_rigid`] and [`fit_similarity`] find the one that carries a set
-//! of points onto another [Horn1987]; [`Pinhole`] projects.
+//! of points onto another [Horn1987]; [`Camera`] is a calibrated camera with its [`Lens`], [`Pinhole`] one without distortion
+//! for drawing.
 //!
 //! ```
 //! use nalgebra::{Point3, Vector3, UnitQuaternion, Isometry3};
@@ -13,7 +14,11 @@
 //! ```
 
 mod align;
+mod camera;
+mod lens;
 mod pinhole;
 
 pub use align::{AlignError, fit_rigid, fit_similarity};
+pub use camera::Camera;
+pub use lens::{BrownConrady, Lens};
 pub use pinhole::Pinhole;

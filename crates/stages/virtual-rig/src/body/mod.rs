@@ -1,0 +1,1 @@
+//! Whose face: its rest surface, and how it moves without wrinkles.

@@ -1,0 +1,1 @@
+//! Boards and wands to calibrate cameras with.

@@ -1,0 +1,1 @@
+//! When frames are taken, and what goes wrong with them.

@@ -1,0 +1,1 @@
+//! How much of the sky each point of the skin sees.

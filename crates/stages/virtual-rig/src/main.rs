@@ -1,0 +1,3 @@
+//! `virtual-rig`: arguments → read → call → write.
+
+fn main() {}

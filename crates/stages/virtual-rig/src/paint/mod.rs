@@ -1,0 +1,1 @@
+//! Dots and strokes of paint on the skin.

@@ -1,0 +1,1 @@
+//! What shall be filmed, by whom, with what.

@@ -1,0 +1,1 @@
+//! What a stage made of a take, against the truth.

@@ -1,0 +1,1 @@
+//! A whole take, from a scenario.

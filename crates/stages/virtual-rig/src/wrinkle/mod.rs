@@ -1,0 +1,1 @@
+//! How the skin folds where the face compresses it.
