@@ -12,3 +12,10 @@ pub enum Error {
         what: String,
     },
 }
+
+impl Error {
+    /// A parameter at `place` makes no sense.
+    pub fn parameter(place: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Parameter { place: place.into(), what: what.into() }
+    }
+}
