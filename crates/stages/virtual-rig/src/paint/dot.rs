@@ -117,7 +117,14 @@ impl Dot {
             center += weight * rest[vertex].coords;
             normal += weight * normals[vertex];
         }
-        Self { id: id.to_string(), triangle, center: center.into(), normal: normal.normalize(), outline, paint: BLUE }
+        Self {
+            id: id.to_string(),
+            triangle,
+            center: center.into(),
+            normal: normal.normalize(),
+            outline,
+            paint: BLUE,
+        }
     }
 
     /// The axes of the dot's coordinates: a, then b, so that (a, b, normal) is right-handed. Where the face looks along z,
@@ -151,8 +158,9 @@ mod tests {
     #[test]
     fn an_outline_deviates_as_much_as_asked_and_is_a_function_of_the_seed() {
         let outline = Outline::out_of_round(1.5, 0.15, 7);
-        let largest =
-            (0..3600).map(|i| (outline.radius(TAU * f64::from(i) / 3600.0) / 1.5 - 1.0).abs()).fold(0.0, f64::max);
+        let largest = (0..3600)
+            .map(|i| (outline.radius(TAU * f64::from(i) / 3600.0) / 1.5 - 1.0).abs())
+            .fold(0.0, f64::max);
         assert!((largest - 0.15).abs() < 1e-4, "{largest}");
         assert!(outline.largest_radius() >= 1.15 * 1.5 - 1e-3);
         assert_eq!(outline, Outline::out_of_round(1.5, 0.15, 7));
@@ -162,10 +170,11 @@ mod tests {
     #[test]
     fn the_slope_of_the_edge_is_that_of_finite_differences() {
         let outline = Outline::out_of_round(1.5, 0.15, 3);
-        let edge =
-            |a: f64, b: f64| outline.edge(&Spot { at: [a, b], per_px: [[1.0, 0.0], [0.0, 1.0]] });
+        let edge = |a: f64, b: f64| outline.edge(&Spot { at: [a, b], per_px: [[1.0, 0.0], [0.0, 1.0]] });
         let (a, b, step) = (0.9, -1.1, 1e-6);
-        let along = |da: f64, db: f64| (edge(a + da, b + db).inside_mm - edge(a - da, b - db).inside_mm) / (2.0 * step);
+        let along = |da: f64, db: f64| {
+            (edge(a + da, b + db).inside_mm - edge(a - da, b - db).inside_mm) / (2.0 * step)
+        };
         let [x, y] = edge(a, b).slope_mm_per_px;
         assert!((x - along(step, 0.0)).abs() < 1e-8 && (y - along(0.0, step)).abs() < 1e-8);
     }

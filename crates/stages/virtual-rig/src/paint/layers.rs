@@ -259,8 +259,7 @@ impl Around {
 
     /// The triangles around some vertices, each once, in rising order.
     fn triangles_at(&self, vertices: &[u32]) -> Vec<u32> {
-        let mut all: Vec<u32> =
-            vertices.iter().flat_map(|&vertex| self.triangles(vertex)).copied().collect();
+        let mut all: Vec<u32> = vertices.iter().flat_map(|&vertex| self.triangles(vertex)).copied().collect();
         all.sort_unstable();
         all.dedup();
         all
@@ -280,7 +279,8 @@ fn distance_from_origin(corners: &[[f64; 2]; 3]) -> f64 {
 fn distance_to_segment([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> f64 {
     let (dx, dy) = (x1 - x0, y1 - y0);
     let length_squared = dx * dx + dy * dy;
-    let along = if length_squared > 0.0 { (-(x0 * dx + y0 * dy) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
+    let along =
+        if length_squared > 0.0 { (-(x0 * dx + y0 * dy) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
     (x0 + along * dx).hypot(y0 + along * dy)
 }
 
@@ -292,9 +292,8 @@ mod tests {
     /// A flat grid of 1 mm cells in the plane z = 0, facing +z.
     fn grid(cells: u32) -> (Vec<Point3<f64>>, Vec<Vector3<f64>>, Vec<[u32; 3]>) {
         let side = cells + 1;
-        let points: Vec<_> = (0..side * side)
-            .map(|i| Point3::new(f64::from(i % side), f64::from(i / side), 0.0))
-            .collect();
+        let points: Vec<_> =
+            (0..side * side).map(|i| Point3::new(f64::from(i % side), f64::from(i / side), 0.0)).collect();
         let triangles = (0..cells * cells)
             .map(|i| i / cells * side + i % cells)
             .flat_map(|at| [[at, at + 1, at + side + 1], [at, at + side + 1, at + side]])

@@ -13,6 +13,7 @@ mod stroke;
 mod truth;
 
 pub use dot::{Dot, Outline};
+pub(crate) use edge::Spot;
 pub use layers::{Layers, StrokeCoordinates, Touch};
 pub use stroke::{HalfWidth, Stroke};
 pub use truth::{DotSamples, DotView};

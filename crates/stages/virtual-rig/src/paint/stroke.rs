@@ -148,7 +148,9 @@ mod tests {
 
     #[test]
     fn a_smear_fades_over_its_width_and_keeps_the_area() {
-        let area = |stroke: &Stroke| -> f64 { (-400..400).map(|i| 0.01 * share(stroke, 5.0, 0.01 * f64::from(i))).sum() };
+        let area = |stroke: &Stroke| -> f64 {
+            (-400..400).map(|i| 0.01 * share(stroke, 5.0, 0.01 * f64::from(i))).sum()
+        };
         assert!((share(&stroke(0.4), 5.0, 0.4) - 0.75).abs() < 1e-3);
         assert!((area(&stroke(0.4)) - area(&stroke(0.0))).abs() < 5e-3);
     }

@@ -65,7 +65,8 @@ impl DotSamples {
         camera: &Camera,
         visible: impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
     ) -> DotView {
-        let nodes: Vec<Option<Node>> = self.nodes.iter().map(|node| Node::of(node, positions, camera)).collect();
+        let nodes: Vec<Option<Node>> =
+            self.nodes.iter().map(|node| Node::of(node, positions, camera)).collect();
         let mut sum = Sum::default();
         for triangle in patches() {
             let [Some(a), Some(b), Some(c)] = triangle.map(|node| nodes[node].as_ref()) else { continue };
@@ -101,7 +102,8 @@ fn find(place: [f64; 2], touches: &[(u32, Touch)]) -> Option<(u32, [f64; 3])> {
 
 fn weights([x, y]: [f64; 2], [p, q, r]: &[[f64; 2]; 3]) -> Option<[f64; 3]> {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-    let [to_q, to_r, to_place] = [[q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]], [x - p[0], y - p[1]]];
+    let [to_q, to_r, to_place] =
+        [[q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]], [x - p[0], y - p[1]]];
     let area = cross(to_q, to_r);
     let (second, third) = (cross(to_place, to_r) / area, cross(to_q, to_place) / area);
     (area != 0.0).then_some([1.0 - second - third, second, third])
@@ -115,8 +117,11 @@ struct Node {
 impl Node {
     fn of(place: &Option<([u32; 3], [f64; 3])>, positions: &[Point3<f64>], camera: &Camera) -> Option<Self> {
         let (corners, weights) = place.as_ref()?;
-        let sum: Vector3<f64> =
-            corners.iter().zip(weights).map(|(&vertex, weight)| *weight * positions[vertex as usize].coords).sum();
+        let sum: Vector3<f64> = corners
+            .iter()
+            .zip(weights)
+            .map(|(&vertex, weight)| *weight * positions[vertex as usize].coords)
+            .sum();
         let position = Point3::from(sum);
         // Behind the camera nothing is seen, but the paint is still there.
         let pixel = camera.project(&position).unwrap_or(Vector2::repeat(f64::NAN));
@@ -135,7 +140,12 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, nodes: [&Node; 3], camera: &Camera, visible: &impl Fn(&Point3<f64>, Vector2<f64>) -> bool) {
+    fn add(
+        &mut self,
+        nodes: [&Node; 3],
+        camera: &Camera,
+        visible: &impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
+    ) {
         let [a, b, c] = nodes.map(|node| node.position.coords);
         let normal = 0.5 * (b - a).cross(&(c - a));
         let area_mm2 = normal.norm();
