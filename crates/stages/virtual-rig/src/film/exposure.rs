@@ -1,0 +1,172 @@
+//! The light that an image receives.
+
+use super::bins::{Bins, TILE, Tiling, chunks};
+use super::params::Film;
+use super::projection::{Corners, Projection};
+use super::scene::Scene;
+use super::shade::{Palette, Shader};
+use super::tile::Tile;
+use crate::Error;
+use camera::Camera;
+use nalgebra::{Point3, Vector2};
+use rayon::prelude::*;
+
+/// How much of a pixel one layer of paint covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cover {
+    /// Number of the pixel, row by row.
+    pub pixel: u32,
+    /// Number of the layer in [`crate::paint::Layers`].
+    pub layer: u32,
+    /// Visible share of the pixel's footprint, 0 to 1.
+    pub share: f32,
+}
+
+/// An image in linear light, and what it shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exposure {
+    /// Width, height, px.
+    pub size: [u32; 2],
+    /// Linear RGB per pixel, row by row; 1 is a white matte surface under full ambient light.
+    pub radiance: Vec<[f32; 3]>,
+    /// Depth along the optical axis of the nearest of the samples about the pixel's centre, mm; infinite where they see
+    /// nothing.
+    pub depth_mm: Vec<f32>,
+    /// Layers of paint per pixel, in the order of pixels, then layers; pixels without paint have none.
+    pub covers: Vec<Cover>,
+}
+
+/// Exposes an image of a scene.
+///
+/// The bytes are the same for any number of threads.
+///
+/// # Errors
+/// [`Error::Parameter`] if the film's parameters make no sense.
+///
+/// # Panics
+/// If the lengths of a solid's lists differ.
+pub fn expose(camera: &Camera, scene: &Scene<'_>, film: &Film) -> Result<Exposure, Error> {
+    film.check()?;
+    scene.check();
+    Ok(match (Projection::of(scene, camera), film.samples_per_side) {
+        (Projection::Still(corners), 4) => with::<4>(camera, scene, film, &corners),
+        (Projection::Still(corners), _) => with::<16>(camera, scene, film, &corners),
+        (Projection::Moving(corners), 4) => with::<4>(camera, scene, film, &corners),
+        (Projection::Moving(corners), _) => with::<16>(camera, scene, film, &corners),
+    })
+}
+
+fn with<const BLOCKS: usize>(
+    camera: &Camera,
+    scene: &Scene<'_>,
+    film: &Film,
+    corners: &impl Corners,
+) -> Exposure {
+    let tiling = Tiling::of(camera.image_size);
+    let chunks = chunks(scene);
+    let bins = Bins::of(&chunks, corners, &tiling);
+    let palette = Palette::of(scene, camera, film);
+    let parts: Vec<Part> = (0..tiling.count())
+        .into_par_iter()
+        .map_init(Tile::<BLOCKS>::new, |tile, number| {
+            tile.draw(number, tiling.pixels(number), &chunks, &bins, corners);
+            Part::shade(tile, &palette, &tiling, number)
+        })
+        .collect();
+    Exposure::assemble(camera.image_size, &tiling, &parts)
+}
+
+/// One tile of an exposure.
+struct Part {
+    radiance: Vec<[f32; 3]>,
+    depth_mm: Vec<f32>,
+    covers: Vec<Cover>,
+}
+
+impl Part {
+    fn shade<const BLOCKS: usize>(
+        tile: &Tile<BLOCKS>,
+        palette: &Palette<'_>,
+        tiling: &Tiling,
+        number: usize,
+    ) -> Self {
+        let ([left, top], [columns, rows]) = tiling.pixels(number);
+        let count = columns * rows;
+        let (mut radiance, mut depth_mm) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut covers = Vec::new();
+        let mut shader = Shader::new(palette, tile);
+        for row in 0..rows {
+            for column in 0..columns {
+                let light = shader.pixel(row * TILE + column, Tile::<BLOCKS>::position(column, row));
+                radiance.push(light.radiance);
+                depth_mm.push(light.depth_mm);
+                let pixel = ((top + row) * tiling.size[0] + left + column) as u32;
+                shader.drain_covers(|layer, share| covers.push(Cover { pixel, layer, share }));
+            }
+        }
+        Self { radiance, depth_mm, covers }
+    }
+}
+
+impl Exposure {
+    fn assemble(size: [u32; 2], tiling: &Tiling, parts: &[Part]) -> Self {
+        let count = tiling.size[0] * tiling.size[1];
+        let (mut radiance, mut depth_mm) = (vec![[0.0; 3]; count], vec![0.0; count]);
+        for (number, part) in parts.iter().enumerate() {
+            let ([left, top], [columns, rows]) = tiling.pixels(number);
+            for row in 0..rows {
+                let from = row * columns..(row + 1) * columns;
+                let first = (top + row) * tiling.size[0] + left;
+                radiance[first..first + columns].copy_from_slice(&part.radiance[from.clone()]);
+                depth_mm[first..first + columns].copy_from_slice(&part.depth_mm[from]);
+            }
+        }
+        let mut covers: Vec<Cover> = parts.iter().flat_map(|part| &part.covers).copied().collect();
+        covers.sort_by_key(|cover| (cover.pixel, cover.layer));
+        Self { size, radiance, depth_mm, covers }
+    }
+
+    /// Whether nothing in the image hides a point in the world: the depths of the pixels around it show nothing nearer by
+    /// more than a tolerance. Good to half a pixel; for [`crate::paint::DotSamples::view`].
+    pub fn sees(&self, camera: &Camera, tolerance_mm: f64) -> impl Fn(&Point3<f64>, Vector2<f64>) -> bool {
+        let [width, height] = self.size.map(|side| i64::from(side) - 1);
+        move |point, pixel| {
+            let depth = (camera.cam_from_world * point).z;
+            let column = (pixel.x.round() as i64).clamp(0, width);
+            let row = (pixel.y.round() as i64).clamp(0, height);
+            let shown = self.depth_mm[(row * (width + 1) + column) as usize];
+            depth <= f64::from(shown) + tolerance_mm
+        }
+    }
+
+    /// The painted mask as a person would draw it: RGB bytes per pixel, the colour of the layer that covers most of the
+    /// pixel where paint covers at least half of it, else black.
+    ///
+    /// `colors`: one per layer; layers of the same colour count as one paint.
+    ///
+    /// # Panics
+    /// If a layer has no colour.
+    #[must_use]
+    pub fn paint_mask(&self, colors: &[[u8; 3]]) -> Vec<u8> {
+        let mut mask = vec![0; 3 * self.radiance.len()];
+        for covers in self.covers.chunk_by(|one, next| one.pixel == next.pixel) {
+            let share_of = |color: [u8; 3]| -> f32 {
+                covers
+                    .iter()
+                    .filter(|cover| colors[cover.layer as usize] == color)
+                    .map(|cover| cover.share)
+                    .sum()
+            };
+            let painted: f32 = covers.iter().map(|cover| cover.share).sum();
+            let most = covers
+                .iter()
+                .map(|cover| colors[cover.layer as usize])
+                .max_by(|one, other| share_of(*one).total_cmp(&share_of(*other)));
+            if let (Some(color), true) = (most, painted >= 0.5) {
+                let at = 3 * covers[0].pixel as usize;
+                mask[at..at + 3].copy_from_slice(&color);
+            }
+        }
+        mask
+    }
+}

@@ -1,0 +1,259 @@
+//! The light that the samples of a pixel receive.
+
+use super::lanes::LANES;
+use super::params::{Film, Gloss};
+use super::pattern::{CENTRAL_TIME, Pattern};
+use super::scene::{Scene, Solid};
+use super::tile::{Facet, NOTHING, Tile};
+use crate::paint::{Layers, Spot};
+use camera::Camera;
+use nalgebra::{Unit, Vector3};
+use rayon::prelude::*;
+
+/// Backs of surfaces show this share of their light.
+const BACK: f32 = 0.03;
+
+/// Light from each vertex towards the camera, those of the face first.
+pub(super) struct Palette<'a> {
+    radiance: Vec<[f32; 3]>,
+    /// Of the face's vertices: what paint on them reflects.
+    irradiance: &'a [f32],
+    layers: &'a Layers,
+    background: [f32; 3],
+}
+
+impl<'a> Palette<'a> {
+    pub(super) fn of(scene: &Scene<'a>, camera: &Camera, film: &Film) -> Self {
+        let mut radiance: Vec<[f32; 3]> =
+            Vec::with_capacity(scene.solids().map(|solid| solid.moment.open.len()).sum());
+        for solid in scene.solids() {
+            let lights = solid.moment.irradiance.par_iter().with_min_len(8192);
+            radiance
+                .par_extend(lights.zip(solid.skin.albedo).map(|(light, albedo)| albedo.map(|x| x * light)));
+        }
+        if let Some(gloss) = &film.gloss {
+            add_gloss(gloss, &scene.face, camera, &mut radiance);
+        }
+        let irradiance = scene.face.moment.irradiance;
+        Self { radiance, irradiance, layers: scene.layers, background: film.background }
+    }
+}
+
+/// Adds what the skin mirrors, at the moment when the shutter opens.
+fn add_gloss(gloss: &Gloss, face: &Solid<'_>, camera: &Camera, radiance: &mut [[f32; 3]]) {
+    let eye = camera.eye_in_world();
+    let key = Unit::new_normalize(Vector3::from(gloss.toward_key));
+    let moment = &face.moment;
+    let places = moment.open.par_iter().zip(moment.normals).zip(moment.irradiance);
+    radiance.par_iter_mut().zip(places).with_min_len(4096).for_each(
+        |(radiance, ((point, normal), light))| {
+            let view = (eye - point).normalize();
+            let half_way = (view + *key).normalize();
+            let lobe = (normal.dot(&half_way).max(0.0) as f32).powf(gloss.exponent);
+            let rim = (1.0 - normal.dot(&view).clamp(0.0, 1.0) as f32).powi(5);
+            let shine = light * (gloss.strength * lobe + gloss.rim * rim);
+            *radiance = radiance.map(|x| x + shine);
+        },
+    );
+}
+
+/// What a pixel received.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Light {
+    pub(super) radiance: [f32; 3],
+    /// Depth of the nearest of its central samples, mm.
+    pub(super) depth_mm: f32,
+}
+
+/// Shades the pixels of one tile.
+pub(super) struct Shader<'a, const BLOCKS: usize> {
+    palette: &'a Palette<'a>,
+    tile: &'a Tile<BLOCKS>,
+    /// Layer and share per sample of the pixel.
+    covers: Vec<(u32, f32)>,
+    /// The pixel's share per layer, while they are added up; zero in between.
+    shares: Vec<f32>,
+}
+
+impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
+    const SAMPLES: usize = LANES * BLOCKS;
+
+    pub(super) fn new(palette: &'a Palette<'a>, tile: &'a Tile<BLOCKS>) -> Self {
+        Self { palette, tile, covers: Vec::new(), shares: vec![0.0; palette.layers.len()] }
+    }
+
+    /// The light of a pixel; `position` is its centre, px from the tile's middle.
+    pub(super) fn pixel(&mut self, pixel: usize, position: [f32; 2]) -> Light {
+        self.covers.clear();
+        let seen = &self.tile.seen[pixel];
+        let nearness = &self.tile.nearness[pixel];
+        let nearest = nearness[..4].iter().fold(0.0f32, |nearest, block| nearest.max(block[CENTRAL_TIME]));
+        let mut sum = [0.0; 3];
+        let mut left = u64::MAX >> (64 - Self::SAMPLES);
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            let number = seen[first / LANES][first % LANES];
+            let group = same(seen, number);
+            left &= !group;
+            if number == NOTHING {
+                add(&mut sum, self.palette.background, group.count_ones() as f32);
+                continue;
+            }
+            self.group(&self.tile.facets[number as usize], group, position, &mut sum);
+        }
+        let share = 1.0 / Self::SAMPLES as f32;
+        Light { radiance: sum.map(|x| x * share), depth_mm: 1.0 / nearest }
+    }
+
+    /// Tells the layers on the pixel last shaded and their shares of it, lowest first.
+    pub(super) fn drain_covers(&mut self, mut tell: impl FnMut(u32, f32)) {
+        for &(layer, share) in &self.covers {
+            self.shares[layer as usize] += share;
+        }
+        self.covers.sort_unstable_by_key(|cover| cover.0);
+        self.covers.dedup_by_key(|cover| cover.0);
+        for (layer, _) in self.covers.drain(..) {
+            let share = std::mem::take(&mut self.shares[layer as usize]);
+            tell(layer, share / Self::SAMPLES as f32);
+        }
+    }
+
+    /// Adds the light of the samples that see one triangle.
+    #[inline(always)]
+    fn group(&mut self, facet: &Facet, group: u64, position: [f32; 2], sum: &mut [f32; 3]) {
+        let layers = self.palette.layers;
+        if facet.of_face != NOTHING && !layers.touching(facet.of_face).is_empty() {
+            self.painted(facet, group, position, sum);
+        } else {
+            self.plain(facet, group, position, sum);
+        }
+    }
+
+    /// Light without paint: what the surface gives in the samples' mean place.
+    #[inline(always)]
+    fn plain(&self, facet: &Facet, group: u64, position: [f32; 2], sum: &mut [f32; 3]) {
+        let mut q = [0.0; 3];
+        let mut light = 0.0;
+        for (t, [count, x, y]) in gather(self.tile.pattern(), group).into_iter().enumerate() {
+            let at = [count * (position[0] - facet.x[t]) + x, count * (position[1] - facet.y[t]) + y];
+            let [second, third] = facet
+                .slopes
+                .map(|slope| if count > 0.0 { slope[0][t] * at[0] + slope[1][t] * at[1] } else { 0.0 });
+            q[0] += (count - second - third) * facet.nearness[0][t];
+            q[1] += second * facet.nearness[1][t];
+            q[2] += third * facet.nearness[2][t];
+            light += count * if facet.front[t] { 1.0 } else { BACK };
+        }
+        let scale = light / (q[0] + q[1] + q[2]);
+        for (vertex, q) in facet.vertices.into_iter().zip(q) {
+            add(sum, self.palette.radiance[vertex as usize], q * scale);
+        }
+    }
+
+    /// Light with paint: sample by sample.
+    fn painted(&mut self, facet: &Facet, group: u64, position: [f32; 2], sum: &mut [f32; 3]) {
+        let mut left = group;
+        while left != 0 {
+            let sample = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (block, t) = (sample / LANES, sample % LANES);
+            let pattern = self.tile.pattern();
+            let weights =
+                Weights::of(facet, [position[0] + pattern.x[block][t], position[1] + pattern.y[block][t]], t);
+            let light = self.paint(facet, &weights);
+            add(sum, light, if facet.front[t] { 1.0 } else { BACK });
+        }
+    }
+
+    /// The light of one painted sample; notes the layers' shares.
+    fn paint(&mut self, facet: &Facet, weights: &Weights) -> [f32; 3] {
+        let mut light = [0.0; 3];
+        let mut irradiance = 0.0;
+        for (vertex, weight) in facet.vertices.into_iter().zip(weights.at) {
+            add(&mut light, self.palette.radiance[vertex as usize], weight);
+            irradiance += weight * self.palette.irradiance[vertex as usize];
+        }
+        let footprint_px = 1.0 / (Self::SAMPLES as f64).sqrt();
+        let first = self.covers.len();
+        for touch in self.palette.layers.touching(facet.of_face) {
+            let share =
+                self.palette.layers.share(touch.layer, &weights.spot(&touch.corners), footprint_px) as f32;
+            if share == 0.0 {
+                continue;
+            }
+            let paint = self.palette.layers.paint(touch.layer);
+            light = std::array::from_fn(|c| light[c] + share * (paint[c] * irradiance - light[c]));
+            self.covers[first..].iter_mut().for_each(|below| below.1 *= 1.0 - share);
+            self.covers.push((touch.layer, share));
+        }
+        light
+    }
+}
+
+/// The samples that see a triangle, as bits.
+#[inline(always)]
+fn same<const BLOCKS: usize>(seen: &[[u32; LANES]; BLOCKS], number: u32) -> u64 {
+    let mut group = 0;
+    for (block, lanes) in seen.iter().enumerate() {
+        for (t, lane) in lanes.iter().enumerate() {
+            group |= u64::from(*lane == number) << (LANES * block + t);
+        }
+    }
+    group
+}
+
+/// Per time: how many samples of a group, and the sum of their places in the pixel.
+#[inline(always)]
+fn gather<const BLOCKS: usize>(pattern: &Pattern<BLOCKS>, group: u64) -> [[f32; 3]; LANES] {
+    let mut sums = [[0.0; 3]; LANES];
+    for block in 0..BLOCKS {
+        for (t, sum) in sums.iter_mut().enumerate() {
+            let held = (group >> (LANES * block + t) & 1) as f32;
+            sum[0] += held;
+            sum[1] += held * pattern.x[block][t];
+            sum[2] += held * pattern.y[block][t];
+        }
+    }
+    sums
+}
+
+#[inline(always)]
+fn add(sum: &mut [f32; 3], light: [f32; 3], weight: f32) {
+    for channel in 0..3 {
+        sum[channel] += weight * light[channel];
+    }
+}
+
+/// Weights of a triangle's corners on the surface (perspective undone) at a place of the image, and their change per
+/// pixel along each axis.
+struct Weights {
+    at: [f32; 3],
+    per_px: [[f32; 3]; 2],
+}
+
+impl Weights {
+    fn of(facet: &Facet, place: [f32; 2], t: usize) -> Self {
+        let (x, y) = (place[0] - facet.x[t], place[1] - facet.y[t]);
+        let slopes = facet.slopes.map(|slope| [slope[0][t], slope[1][t]]);
+        let [second, third] = slopes.map(|slope| slope[0] * x + slope[1] * y);
+        let nearness = facet.nearness.map(|lanes| lanes[t]);
+        let q = [(1.0 - second - third) * nearness[0], second * nearness[1], third * nearness[2]];
+        let total = 1.0 / (q[0] + q[1] + q[2]);
+        let at = q.map(|q| q * total);
+        let per_px = [0, 1].map(|axis| {
+            let [second, third] = slopes.map(|slope| slope[axis]);
+            let change = [-(second + third) * nearness[0], second * nearness[1], third * nearness[2]];
+            let drift = change[0] + change[1] + change[2];
+            std::array::from_fn(|corner| (change[corner] - at[corner] * drift) * total)
+        });
+        Self { at, per_px }
+    }
+
+    /// The same place in a layer's coordinates.
+    fn spot(&self, corners: &[[f64; 2]; 3]) -> Spot {
+        let mix = |weights: &[f32; 3]| {
+            [0, 1].map(|axis| (0..3).map(|corner| f64::from(weights[corner]) * corners[corner][axis]).sum())
+        };
+        Spot { at: mix(&self.at), per_px: [mix(&self.per_px[0]), mix(&self.per_px[1])] }
+    }
+}
