@@ -3,9 +3,9 @@
 //! The domain is the unrolled face in millimetres: s runs around the head (0 in the middle, positive to the subject's
 //! left, which is +x), t runs up (0 under the nose). Bones and soft parts are hills on an elliptic head.
 
-use crate::face::outline;
-use crate::face::person::Person;
-use crate::face::profile::{bump, curve, hill, smooth_max, smooth_step, softplus};
+use crate::body::face::outline;
+use crate::body::face::person::Person;
+use crate::body::face::profile::{bump, curve, hill, smooth_max, smooth_step, softplus};
 use nalgebra::{Point2, Point3, Vector3};
 
 /// Millimetres of s per radian around the head.
@@ -74,6 +74,15 @@ pub(crate) fn point(person: &Person, at: Point2<f64>) -> Point3<f64> {
     skin.y -= 2.5 * hill(s / 11.0, (t - 2.0) / 5.0);
     skin += out * waves(person, s, t);
     Point3::new(skin.x * person.width, skin.y * person.height, skin.z)
+}
+
+/// Unit directions of the skin around the head (to the subject's left), up and out, the features smoothed away.
+pub(crate) fn directions(person: &Person, at: Point2<f64>) -> [Vector3<f64>; 3] {
+    const STEP: f64 = 4.0;
+    let across = head(person, at.x + STEP, at.y) - head(person, at.x - STEP, at.y);
+    let up = (head(person, at.x, at.y + STEP) - head(person, at.x, at.y - STEP)).normalize();
+    let out = across.cross(&up).normalize();
+    [up.cross(&out), up, out]
 }
 
 /// The head without features; below the jaw line it turns inwards.
@@ -161,7 +170,7 @@ fn eyes(person: &Person, skin: Vector3<f64>, s: f64, t: f64) -> Vector3<f64> {
         - 4.5 * hill((s.abs() - 16.0) / 5.0, (dt + 1.0) / 7.0)
         - 1.2 * hill((ds - s.signum() * 2.0) / 14.0, (dt + 13.0) / 3.5);
     let sunk = skin.z + socket;
-    let ball = eyeball(person, s.signum());
+    let ball = unscaled_eyeball(person, s.signum());
     let off = (skin.x - ball.x).powi(2) + (skin.y - ball.y).powi(2);
     // Beside the ball far behind the skin, so that only the ball itself shows.
     let front =
@@ -169,8 +178,13 @@ fn eyes(person: &Person, skin: Vector3<f64>, s: f64, t: f64) -> Vector3<f64> {
     Vector3::new(skin.x, skin.y, smooth_max(sunk, front, 1.1))
 }
 
-/// The centre of an eyeball before the person's scale, mm.
+/// The centre of an eyeball, mm.
 pub(crate) fn eyeball(person: &Person, side: f64) -> Point3<f64> {
+    let center = unscaled_eyeball(person, side);
+    Point3::new(center.x * person.width, center.y * person.height, center.z)
+}
+
+fn unscaled_eyeball(person: &Person, side: f64) -> Point3<f64> {
     let eye = outline::eye_center(person, side);
     Point3::new(69.0 * (eye.x / ROLL).sin() - side, eye.y, 44.5)
 }
