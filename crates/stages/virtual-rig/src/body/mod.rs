@@ -4,16 +4,18 @@ pub mod face;
 mod motion;
 mod muscles;
 mod props;
+pub mod refine;
 
 pub use face::MarkerPlace;
 pub use muscles::MUSCLES;
 pub use props::Prop;
 
-use face::{Face, Person};
+use face::{Face, Person, skin};
 use mesh::Mesh;
 use motion::Offsets;
 use muscles::Muscles;
 use nalgebra::{Point2, Point3, Similarity3, Vector3};
+use rayon::prelude::*;
 
 /// A head whose face moves: millimetres, y up, looking along +z, the subject's left at +x.
 #[derive(Debug, Clone)]
@@ -46,11 +48,12 @@ impl Body {
     /// `near_mm` of the polylines `near` (domain, mm). The same arguments give the same body; seed 0 is the average.
     #[must_use]
     pub fn parametric(seed: u64, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Self {
-        let _ = (near, near_mm);
-        let face = Face::new(seed, vertex_count);
-        let albedo = vec![[0.5, 0.36, 0.29]; face.mesh.positions.len()];
+        let face = Face::refined(seed, vertex_count, near, near_mm);
+        let albedo = face.domain.par_iter().map(|&at| skin::albedo(&face.person, at)).collect();
         let muscles = Muscles::of(&face.person, &face.domain, &Similarity3::identity());
-        Self::build(face, albedo, Similarity3::identity(), muscle_names(), Motion::Muscles(muscles))
+        let props = props::of(&face.person);
+        let motion = Motion::Muscles(muscles);
+        Self { props, ..Self::build(face, albedo, Similarity3::identity(), muscle_names(), motion) }
     }
 
     /// A body that blends shapes: `offsets` hold per name one displacement per vertex, mm.

@@ -1,10 +1,13 @@
 //! A synthetic face: an open mask with eyes and mouth cut out, as a smooth map from the unrolled face.
 
 mod markers;
+mod noise;
 pub(super) mod outline;
 mod person;
 pub(super) mod profile;
+mod refined;
 mod sampling;
+pub(super) mod skin;
 pub(super) mod surface;
 mod triangulation;
 

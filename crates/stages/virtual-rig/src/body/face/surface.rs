@@ -18,12 +18,12 @@ const SIDE: f64 = -15.0;
 pub(crate) const EYE_RADIUS: f64 = 14.0;
 
 const HALF_WIDTH: [(f64, f64); 12] = [
-    (-95., 50.),
-    (-80., 52.),
-    (-60., 56.),
-    (-40., 61.),
-    (-20., 64.5),
-    (0., 67.),
+    (-95., 44.),
+    (-80., 46.5),
+    (-60., 52.),
+    (-40., 58.),
+    (-20., 63.),
+    (0., 66.5),
     (20., 69.5),
     (40., 69.),
     (60., 67.),
@@ -140,9 +140,7 @@ fn mouth(person: &Person, s: f64, t: f64) -> f64 {
     let taper = (-(s.abs() / (0.86 * half)).powi(4)).exp();
     let inner = (-(s.abs() / (1.02 * half)).powi(6)).exp();
     let above = t - outline::mouth_line(s);
-    let bow =
-        7.6 - 1.6 * bump(s / 3.2) + 0.9 * bump((s.abs() - 6.0) / 3.5) - 5.0 * (s / half).powi(2).min(1.0);
-    let lower_edge = -9.5 + 7.0 * (s / half).powi(2).min(1.0);
+    let (lower_edge, bow) = outline::lip_edges(person, s);
     let upper =
         bump((above - 3.2) / 3.0) + 0.16 * smooth_step((bow + 0.8 - above) / 1.6) * smooth_step(above / 2.0);
     let lower = bump((above + 4.6) / 3.5)
