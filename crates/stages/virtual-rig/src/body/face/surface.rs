@@ -48,12 +48,12 @@ const FRONT: [(f64, f64); 13] = [
 ];
 const NOSE_RIDGE: [(f64, f64); 13] = [
     (-16., 0.),
-    (-11., 0.),
-    (-7.5, 2.),
-    (-4., 7.5),
-    (0., 15.),
-    (4., 18.5),
-    (8., 18.8),
+    (-12., 0.),
+    (-8.5, 2.),
+    (-5., 6.5),
+    (-1., 13.0),
+    (4., 17.8),
+    (8., 18.6),
     (14., 16.5),
     (22., 13.),
     (30., 9.5),
@@ -94,14 +94,14 @@ fn head(person: &Person, s: f64, t: f64) -> Vector3<f64> {
     let depth = curve(&FRONT, t) - slope - SIDE;
     let across = angle.sin();
     let z = SIDE + depth * (1.0 - across.abs().powf(SECTION)).max(0.0).powf(1.0 / SECTION);
-    let below = 5.0 * softplus((jaw_line(person, s) - t) / 5.0);
+    let below = 7.0 * softplus((jaw_line(person, s) - t) / 7.0);
     let inwards = Vector3::new(angle.sin(), 0.0, angle.cos()) * (0.95 * below);
     Vector3::new(half_width * across, t + 0.7 * below, z) - inwards
 }
 
 /// t of the jaw line.
 pub(crate) fn jaw_line(person: &Person, s: f64) -> f64 {
-    -71.0 - person.chin_drop * bump(s / 25.0) + 34.0 * (s / 88.0).powi(2)
+    -71.0 - person.chin_drop * bump(s / 25.0) + 44.0 * (s / 88.0).powi(2)
 }
 
 fn bones(person: &Person, s: f64, t: f64) -> f64 {
@@ -119,7 +119,7 @@ fn bones(person: &Person, s: f64, t: f64) -> f64 {
         + 4.5 * hill(s / 26.0, (t + 24.0) / 22.0)
         + person.chin * 7.0 * hill(s / 15.0, (t - chin_top) / 9.5)
         - 4.0 * hill(s / 17.0, (t + 44.5) / 4.8)
-        + 2.0 * hill((side - 80.0) / 16.0, (t - jaw_line(person, s) - 8.0) / 9.0)
+        + 1.2 * hill((side - 76.0) / 18.0, (t - jaw_line(person, s) - 8.0) / 11.0)
 }
 
 fn nose(person: &Person, s: f64, t: f64) -> f64 {
@@ -128,11 +128,11 @@ fn nose(person: &Person, s: f64, t: f64) -> f64 {
     let ridge = curve(&NOSE_RIDGE, t) * person.nose_height + person.nose_hook * bump((t - 26.0) / 7.0);
     let wing = 14.0 * person.nose_width;
     ridge * (-(side / width).powf(2.4)).exp()
-        + person.nose_tip * 3.5 * hill(s / 6.0, (t - 6.0) / 5.0)
-        + 7.5 * hill((side - wing) / 3.8, (t - 1.5) / 5.0)
+        + person.nose_tip * 4.2 * hill(s / 6.5, (t - 5.0) / 6.0)
+        + 6.4 * hill((side - wing + 0.5) / 4.4, (t - 1.8) / 5.2)
         - 2.2 * hill((side - wing - 7.0) / 2.6, (t - 3.0) / 6.5)
-        - 6.5 * hill((side - 6.6 * person.nose_width) / 2.9, (t + 3.6) / 2.3)
-        - 1.6 * hill((side - 9.0) / 2.5, (t - 8.0) / 3.5)
+        - 4.5 * hill((side - 6.8 * person.nose_width) / 3.0, (t + 4.2) / 2.2)
+        - 0.9 * hill((side - 9.5) / 2.6, (t - 8.0) / 3.5)
 }
 
 fn mouth(person: &Person, s: f64, t: f64) -> f64 {
