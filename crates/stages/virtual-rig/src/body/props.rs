@@ -1,10 +1,10 @@
-//! What moves with the head only: eyeballs, teeth, the dark of the mouth, and a head in a cap behind the face.
+//! What moves with the head only: eyeballs, teeth, the dark of the mouth, and a hood around the face.
 //!
 //! Props hide things, so that a picture looks like a person; they carry no truth.
 
 use super::face::outline::{Contour, mouth_line};
 use super::face::profile::{bump, curve, smooth_step};
-use super::face::{Person, skin, surface};
+use super::face::{Person, surface};
 use mesh::{Mesh, Polygons};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -23,12 +23,12 @@ const BALL_RADIUS: f64 = surface::EYE_RADIUS - 0.9;
 /// Angles of pupil and iris seen from the ball's centre, rad.
 const PUPIL: f64 = 0.15;
 const IRIS: f64 = 0.46;
-const CAP: [f32; 3] = [0.035, 0.037, 0.042];
+const HOOD: [f32; 3] = [0.035, 0.037, 0.042];
 const MOUTH: [f32; 3] = [0.035, 0.008, 0.008];
 
 /// The props of a person.
 pub(super) fn of(person: &Person) -> Vec<Prop> {
-    vec![eyeball(person, 1.0), eyeball(person, -1.0), mouth_bag(person), teeth(person), head(person)]
+    vec![eyeball(person, 1.0), eyeball(person, -1.0), mouth_bag(person), teeth(person), hood(person)]
 }
 
 /// A grid over the unit square, wrapped around in u when `is_closed`; `at` gives the point and the reflectance.
@@ -60,7 +60,9 @@ fn eyeball(person: &Person, side: f64) -> Prop {
         let (sin, cos) = polar.sin_cos();
         let (up, across) = (TAU * u).sin_cos();
         let radius = BALL_RADIUS + 0.7 * (1.0 - smooth_step(polar / (1.1 * IRIS)));
-        let out = Vector3::new(across * sin, up * sin, cos);
+        // Wider beside the iris, so that the corners of the eye are filled.
+        let wide = 1.0 + 0.25 * smooth_step((polar - IRIS) / 0.6);
+        let out = Vector3::new(across * sin * wide, up * sin, cos);
         (center + out * radius, eye_color(person, polar, u))
     })
 }
@@ -72,7 +74,8 @@ fn eye_color(person: &Person, polar: f64, turn: f64) -> [f32; 3] {
     let rim = 1.0 - 0.75 * bump((polar - IRIS) / 0.035);
     let in_iris = 1.0 - smooth_step((polar - IRIS + 0.015) / 0.03);
     let in_pupil = 1.0 - smooth_step((polar - PUPIL + 0.01) / 0.02);
-    let white = [0.66, 0.60, 0.56].map(|c: f64| c * (1.0 - 0.35 * smooth_step((polar - 0.5) / 0.7)));
+    let corner = smooth_step((polar - 0.7) / 0.5);
+    let white = [0.56 - 0.18 * corner, 0.51 - 0.27 * corner, 0.48 - 0.28 * corner];
     std::array::from_fn(|channel| {
         let iris = (BLUE[channel] + (BROWN[channel] - BLUE[channel]) * person.iris) * fibres;
         let open = white[channel] + (iris - white[channel]) * in_iris;
@@ -104,38 +107,30 @@ fn teeth(person: &Person) -> Prop {
     })
 }
 
-/// Top and bottom (y, z) and half-width of the rings from the face's rim over the crown and the nape to the neck.
-const RINGS: [[f64; 5]; 6] = [
-    [131.0, -4.0, -84.0, 26.0, 74.0],
-    [124.0, -78.0, -90.0, 14.0, 80.0],
-    [62.0, -116.0, -98.0, 9.0, 76.0],
-    [-28.0, -92.0, -106.0, 6.0, 60.0],
-    [-84.0, -80.0, -122.0, 6.0, 55.0],
-    [-158.0, -94.0, -172.0, 8.0, 64.0],
+/// Rings from the face's rim over the crown and the nape to the neck: top and bottom (y, z), half-width above and
+/// below, mm.
+const RINGS: [[f64; 6]; 6] = [
+    [131.0, -4.0, -92.0, 22.0, 74.0, 52.0],
+    [124.0, -78.0, -97.0, 14.0, 80.0, 54.0],
+    [62.0, -116.0, -102.0, 9.0, 76.0, 54.0],
+    [-28.0, -92.0, -108.0, 6.0, 62.0, 54.0],
+    [-84.0, -80.0, -124.0, 6.0, 56.0, 54.0],
+    [-158.0, -94.0, -172.0, 8.0, 66.0, 62.0],
 ];
 
-/// Skull in a cap, and neck, from behind the rim of the face on.
-fn head(person: &Person) -> Prop {
-    let bare = skin::tone(person.melanin);
-    sheet(144, 60, true, |u, v| {
-        let point = head_point(person, u, 1.0 - v);
-        let hem = point.y - (-36.0 - 0.25 * point.z);
-        let capped = smooth_step(hem / 2.0 + 0.5) as f32;
-        let color = std::array::from_fn(|channel| {
-            let skin = bare[channel] as f32;
-            skin + (CAP[channel] - skin) * capped
-        });
-        (point, color)
-    })
+/// Skull and neck in a hood, from behind the rim of the face on.
+fn hood(person: &Person) -> Prop {
+    sheet(144, 60, true, |u, v| (hood_point(person, u, 1.0 - v), HOOD))
 }
 
-fn head_point(person: &Person, u: f64, v: f64) -> Point3<f64> {
+fn hood_point(person: &Person, u: f64, v: f64) -> Point3<f64> {
     let (sin, cos) = (TAU * u).sin_cos();
     let rim = surface::point(person, Contour::Rim.at(person, u));
     // Below, the jaw needs room to open.
     let low = smooth_step(0.5 - 0.9 * sin);
-    let start = rim + Vector3::new(-1.5 * cos, 6.0 * low - 0.5 * sin, -3.0 - 13.0 * low);
-    let ring = |&[top, top_z, bottom, bottom_z, half]: &[f64; 5]| {
+    let start = rim + Vector3::new(-1.5 * cos, 6.0 * low - 0.5 * sin, -1.0 - 13.0 * low);
+    let ring = |&[top, top_z, bottom, bottom_z, above, below]: &[f64; 6]| {
+        let half = above + (below - above) * smooth_step(0.3 - 0.9 * sin);
         let (middle, reach) = (0.5 * (top + bottom), 0.5 * (top - bottom));
         let (middle_z, reach_z) = (0.5 * (top_z + bottom_z), 0.5 * (top_z - bottom_z));
         let round = |x: f64| x.signum() * x.abs().powf(0.85);

@@ -65,7 +65,7 @@ impl Person {
             asymmetry: std::array::from_fn(|_| vary(0.0, 0.6)),
             melanin: vary(0.38, 0.38),
             beard: vary(0.07, 0.07),
-            iris: vary(0.5, 0.5),
+            iris: vary(0.6, 0.4),
             seed: 0x5eed_5c1f ^ seed,
         }
     }

@@ -81,13 +81,13 @@ fn brow(person: &Person, s: f64, t: f64) -> f64 {
     let x = s.abs();
     let along = (x - 12.0) / 39.0;
     let line = 53.5 + person.brow_height + 5.0 * bump((x - 36.0) / 12.0) - 4.0 * smooth_step((x - 40.0) / 14.0);
-    let half = 4.2 - 2.6 * smooth_step(along);
+    let half = 5.2 - 3.0 * smooth_step(along);
     let across = (t - line) / half;
     let rise = 0.9 - 0.8 * along;
     let strand = noise(person.seed ^ 6, (t - rise * x) / 0.55 + 500.0 * s.signum(), (x + rise * t) / 5.0);
     let ends = smooth_step((x - 9.0) / 7.0) * smooth_step((53.0 - x) / 9.0);
     let body = (1.0 - smooth_step((across.abs() - 0.35) / 0.85)) * ends;
-    (body * (0.78 + 0.55 * strand)).clamp(0.0, 0.92)
+    (body * (0.85 + 0.55 * strand)).clamp(0.0, 0.92)
 }
 
 /// The dark edge of the upper lid, weaker of the lower one.

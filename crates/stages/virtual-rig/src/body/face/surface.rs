@@ -107,7 +107,7 @@ pub(crate) fn jaw_line(person: &Person, s: f64) -> f64 {
 fn bones(person: &Person, s: f64, t: f64) -> f64 {
     let side = s.abs();
     let brow_line = 54.0 + person.brow_height + 5.0 * bump((side - 30.0) / 14.0);
-    let brow_reach = smooth_step((side - 2.0) / 12.0) * smooth_step((60.0 - side) / 28.0);
+    let brow_reach = smooth_step((side + 4.0) / 18.0) * smooth_step((60.0 - side) / 28.0);
     let chin_top = -60.0 - person.chin_drop;
     person.brow * 3.2 * brow_reach * bump((t - brow_line) / 6.0)
         + 2.5 * hill(s / 12.0, (t - 58.0) / 8.0)
@@ -115,7 +115,7 @@ fn bones(person: &Person, s: f64, t: f64) -> f64 {
         - 5.0 * hill((side - 68.0) / 13.0, (t - 58.0) / 20.0)
         + person.cheekbone * 5.0 * hill((side - 48.0) / 15.0, (t - 18.0) / 11.0)
         + 3.0 * hill((side - 30.0) / 12.0, (t - 6.0) / 13.0)
-        - person.cheek_hollow * 3.5 * hill((side - 54.0) / 14.0, (t + 22.0) / 16.0)
+        - person.cheek_hollow * 2.6 * hill((side - 54.0) / 14.0, (t + 22.0) / 16.0)
         + 4.5 * hill(s / 26.0, (t + 24.0) / 22.0)
         + person.chin * 7.0 * hill(s / 15.0, (t - chin_top) / 9.5)
         - 4.0 * hill(s / 17.0, (t + 44.5) / 4.8)
@@ -125,7 +125,9 @@ fn bones(person: &Person, s: f64, t: f64) -> f64 {
 fn nose(person: &Person, s: f64, t: f64) -> f64 {
     let side = s.abs();
     let width = curve(&NOSE_WIDTH, t) * (1.0 + (person.nose_width - 1.0) * smooth_step((40.0 - t) / 40.0));
-    let ridge = curve(&NOSE_RIDGE, t) * person.nose_height + person.nose_hook * bump((t - 26.0) / 7.0);
+    // The columella hangs lower than the wings.
+    let hung = t + 3.0 * bump(side / 6.0) - 1.2;
+    let ridge = curve(&NOSE_RIDGE, hung) * person.nose_height + person.nose_hook * bump((t - 26.0) / 7.0);
     let wing = 14.0 * person.nose_width;
     ridge * (-(side / width).powf(2.4)).exp()
         + person.nose_tip * 4.2 * hill(s / 6.5, (t - 5.0) / 6.0)
@@ -145,10 +147,10 @@ fn mouth(person: &Person, s: f64, t: f64) -> f64 {
         bump((above - 3.2) / 3.0) + 0.16 * smooth_step((bow + 0.8 - above) / 1.6) * smooth_step(above / 2.0);
     let lower = bump((above + 4.6) / 3.5)
         + 0.14 * smooth_step((above - lower_edge + 0.8) / 1.6) * smooth_step(-above / 2.0);
-    let philtrum = bump(s / 2.6) - 0.7 * bump((s.abs() - 5.2) / 2.0);
+    let philtrum = bump(s / 3.0) - 0.6 * bump((s.abs() - 5.6) / 2.2);
     person.lip_fullness * taper * (4.0 * upper + 5.0 * lower)
         - 2.2 * inner * bump(above / 1.5)
-        - 1.5 * philtrum * bump((t + 14.5) / 4.5)
+        - 0.9 * philtrum * bump((t + 15.0) / 4.5)
         - 2.4 * hill((s.abs() - half - 2.5) / 4.0, above / 4.5)
 }
 
@@ -157,7 +159,7 @@ fn folds(s: f64, t: f64) -> f64 {
     let along = smooth_step((t + 38.0) / 26.0) * smooth_step((9.0 - t) / 14.0);
     let crease = 22.0 + 13.0 * (1.0 - bump((t - 4.0) / 17.0));
     let past = s.abs() - crease;
-    along * (1.2 * bump((past - 6.0) / 6.0) - 1.3 * bump(past / 3.6))
+    along * (0.9 * bump((past - 7.0) / 6.5) - 1.0 * bump(past / 4.2))
 }
 
 /// The sockets, and the eyeballs that push through them.
