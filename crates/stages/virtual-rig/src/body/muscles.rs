@@ -6,7 +6,7 @@
 use super::face::Person;
 use super::face::outline::{eye_center, lid_edges, mouth_line};
 use super::face::profile::{bump, hill, smooth_step, softplus};
-use super::face::surface;
+use super::face::surface::{self, nasolabial_line};
 use super::motion::{Offsets, Turn, pose};
 use nalgebra::{Complex, Point2, Point3, Similarity3, Unit, Vector3};
 use rayon::prelude::*;
@@ -189,21 +189,26 @@ fn narrowing(half: f64, s: f64, t: f64) -> Vector3<f64> {
 
 fn smile(half: f64, side: f64, s: f64, t: f64) -> Vector3<f64> {
     let x = side * s;
-    let corner = hill((x - half) / 18.0, (t - mouth_line(s)) / 14.0);
-    let cheek = hill((x - 38.0) / 14.0, (t + 2.0) / 12.0);
-    own_side(side, s)
-        * (Vector3::new(6.0 * side, 5.0, -2.5) * corner + Vector3::new(1.0 * side, 2.5, 2.0) * cheek)
+    let corner = hill((x - half) / 20.0, (t - mouth_line(s)) / 14.0);
+    let cheek = hill((x - 45.0) / 15.0, (t - 4.0) / 14.0);
+    // The skin inside the nasolabial line is pushed against the cheek.
+    let past = x - nasolabial_line(t);
+    let push = 0.13 * (10.0 - ramp(past, -10.0, 10.0, 2.5)) * smooth_step((x - 2.0) / 16.0);
+    let along = smooth_step((t + 34.0) / 22.0) * smooth_step((16.0 - t) / 16.0);
+    own_side(side, s) * Vector3::new(4.6 * side, 4.6, -2.5) * corner
+        + Vector3::new(0.4 * side, 1.6, 2.2) * cheek
+        + Vector3::new(0.8 * side, 0.6, 0.0) * (push * along)
 }
 
 fn brow_raise(side: f64, s: f64, t: f64) -> Vector3<f64> {
-    let above = 0.17 * (38.0 - ramp(t, 62.0, 100.0, 2.5));
+    let above = 0.175 * (39.0 - ramp(t, 61.0, 100.0, 2.5));
     let lid = smooth_step((t - 39.0) / 20.0);
     let out = 1.0 - smooth_step((side * s - 36.0) / 38.0);
     Vector3::y() * (above * lid * out * own_side(side, s))
 }
 
 fn frown(s: f64, t: f64) -> Vector3<f64> {
-    let together = -0.19 * s * bump(s / 24.0) * plateau(t - 57.0, 15.0);
+    let together = -0.20 * s * bump(s / 28.0) * plateau(t - 57.0, 16.0);
     let down = -4.0 * (bump((s - 18.0) / 11.0) + bump((s + 18.0) / 11.0)) * bump((t - 54.0) / 10.0);
     Vector3::new(together, down, 0.0)
 }
@@ -213,7 +218,7 @@ fn squint(person: &Person, s: f64, t: f64) -> Vector3<f64> {
     let eye = eye_center(person, side);
     let outside = smooth_step((s.abs() - 44.0) / 12.0) * (1.0 - smooth_step((s.abs() - 70.0) / 25.0));
     let gather = -0.2 * (t - 35.0) * bump((t - 35.0) / 20.0) * outside;
-    let lids = -2.2 * (0.35 * (t - eye.y)).tanh() * bump((s - eye.x) / 13.0) * bump((t - eye.y) / 9.0);
+    let lids = -2.2 * (0.35 * (t - eye.y)).tanh() * bump((s - eye.x) / 11.0) * bump((t - eye.y) / 9.0);
     let cheek = 2.5 * hill((s.abs() - 42.0) / 16.0, (t - 8.0) / 12.0);
     Vector3::new(0.0, gather + lids + cheek, 0.5 * cheek)
 }
@@ -247,4 +252,60 @@ fn lips_press(half: f64, s: f64, t: f64) -> Vector3<f64> {
 fn mouth_stretch(half: f64, s: f64, t: f64) -> Vector3<f64> {
     let corner = hill((s.abs() - half - 3.0) / 16.0, (t - mouth_line(s)) / 13.0);
     Vector3::new(5.5 * side_of(s), -2.0, -1.5) * corner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+
+    /// Strain of the skin at `at` along the direction `along` of the domain, negative where it is compressed.
+    fn strain(person: &Person, active: &[&str], at: Point2<f64>, along: Vector2<f64>) -> f64 {
+        const STEP: f64 = 0.05;
+        let ends = [at - along * STEP, at + along * STEP];
+        let muscles = Muscles::of(person, &ends, &Similarity3::identity());
+        let weights: Vec<f64> = MUSCLES.map(|name| f64::from(u8::from(active.contains(&name)))).to_vec();
+        let rest = ends.map(|end| surface::point(person, end));
+        let posed = muscles.pose(&rest, &weights);
+        (posed[1] - posed[0]).norm() / (rest[1] - rest[0]).norm() - 1.0
+    }
+
+    #[test]
+    fn probe() {
+        let person = Person::of_seed(0);
+        for t in [60., 65., 70., 75., 80., 85., 90., 95., 100.] {
+            print!("\nbrow t{t}:");
+            for s in [0., 10., 20., 30., 40., 50.] {
+                print!(" {:.3}", strain(&person, &["brow_raise_l", "brow_raise_r"], Point2::new(s, t), Vector2::y()));
+            }
+        }
+        for t in [44., 48., 52., 57., 62., 66., 70.] {
+            print!("\nfrown t{t}:");
+            for s in [0., 3., 6., 9., 12., 16.] {
+                print!(" {:.3}", strain(&person, &["frown"], Point2::new(s, t), Vector2::x()));
+            }
+        }
+        for t in [20., 25., 30., 35., 40., 45., 50.] {
+            print!("\nsquint t{t}:");
+            for s in [50., 54., 58., 60., 62., 66., 72.] {
+                print!(" {:.3}", strain(&person, &["squint"], Point2::new(s, t), Vector2::y()));
+            }
+        }
+        for t in [-35., -30., -25., -20., -15., -10., -5., 0., 5.] {
+            print!("\nsmile t{t}:");
+            let crease = nasolabial_line;
+            let across = Vector2::new(1.0, -(crease(t + 0.1) - crease(t - 0.1)) / 0.2).normalize();
+            for off in [-8., -4., 0., 4., 8.] {
+                let at = Point2::new(crease(t), t) + across * off;
+                print!(" {:.3}", strain(&person, &["smile_l", "smile_r"], at, across));
+            }
+        }
+        for t in [8., 12., 18., 24., 30., 36.] {
+            print!("\nnose t{t}:");
+            for s in [0., 5., 9., 13., 18.] {
+                print!(" {:.3}", strain(&person, &["nose_wrinkle"], Point2::new(s, t), Vector2::y()));
+            }
+        }
+        println!();
+    }
 }

@@ -60,8 +60,9 @@ fn eyeball(person: &Person, side: f64) -> Prop {
         let (sin, cos) = polar.sin_cos();
         let (up, across) = (TAU * u).sin_cos();
         let radius = BALL_RADIUS + 0.7 * (1.0 - smooth_step(polar / (1.1 * IRIS)));
-        // Wider beside the iris, so that the corners of the eye are filled.
-        let wide = 1.0 + 0.25 * smooth_step((polar - IRIS) / 0.6);
+        // Wider beside the iris, most towards the nose, so that the corners of the eye are filled.
+        let widest = 0.13 - 0.10 * side * across;
+        let wide = 1.0 + widest * smooth_step((polar - IRIS) / 0.6);
         let out = Vector3::new(across * sin * wide, up * sin, cos);
         (center + out * radius, eye_color(person, polar, u))
     })
@@ -86,7 +87,7 @@ fn eye_color(person: &Person, polar: f64, turn: f64) -> [f32; 3] {
 /// A dark curtain behind the lips, far enough back for a jaw that is open.
 fn mouth_bag(person: &Person) -> Prop {
     sheet(24, 24, false, |u, v| {
-        let (x, y) = (84.0 * (u - 0.5), -82.0 + 84.0 * v);
+        let (x, y) = ((44.0 + 40.0 * smooth_step(1.6 * v)) * (u - 0.5), -78.0 + 80.0 * v);
         let back = 0.55 * (-40.0 - y).max(0.0) + 0.55 * (y + 18.0).max(0.0);
         let z = 42.0 - 0.014 * x * x - back;
         (Point3::new(x * person.width, y * person.height, z), MOUTH)

@@ -154,11 +154,15 @@ fn mouth(person: &Person, s: f64, t: f64) -> f64 {
         - 2.4 * hill((s.abs() - half - 2.5) / 4.0, above / 4.5)
 }
 
+/// |s| of the nasolabial line at t.
+pub(crate) fn nasolabial_line(t: f64) -> f64 {
+    22.0 + 13.0 * (1.0 - bump((t - 4.0) / 17.0))
+}
+
 /// The nasolabial fold: a crease from the nose wing past the corner of the mouth, the cheek standing over it.
 fn folds(s: f64, t: f64) -> f64 {
     let along = smooth_step((t + 38.0) / 26.0) * smooth_step((9.0 - t) / 14.0);
-    let crease = 22.0 + 13.0 * (1.0 - bump((t - 4.0) / 17.0));
-    let past = s.abs() - crease;
+    let past = s.abs() - nasolabial_line(t);
     along * (0.9 * bump((past - 7.0) / 6.5) - 1.0 * bump(past / 4.2))
 }
 
