@@ -1,1 +1,147 @@
 //! Whose face: its rest surface, and how it moves without wrinkles.
+
+pub mod face;
+mod motion;
+mod muscles;
+mod props;
+pub mod refine;
+
+pub use face::MarkerPlace;
+pub use muscles::MUSCLES;
+pub use props::Prop;
+
+use face::{Face, Person, skin};
+use mesh::Mesh;
+use motion::Offsets;
+use muscles::Muscles;
+use nalgebra::{Point2, Point3, Similarity3, Vector3};
+use rayon::prelude::*;
+
+/// A head whose face moves: millimetres, y up, looking along +z, the subject's left at +x.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// The rest pose: triangles only, with texture coordinates.
+    pub mesh: Mesh,
+    /// Its triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// Per vertex its place on the unrolled face, mm.
+    pub domain: Vec<Point2<f64>>,
+    /// Per vertex the linear RGB reflectance.
+    pub albedo: Vec<[f32; 3]>,
+    /// What moves with the head only.
+    pub props: Vec<Prop>,
+    person: Person,
+    face_from_canonical: Similarity3<f64>,
+    names: Vec<String>,
+    motion: Motion,
+}
+
+/// How a body moves without wrinkles.
+#[derive(Debug, Clone)]
+enum Motion {
+    Muscles(Muscles),
+    Shapes(Vec<Offsets>),
+}
+
+impl Body {
+    /// The synthetic face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), finer within
+    /// `near_mm` of the polylines `near` (domain, mm). The same arguments give the same body; seed 0 is the average.
+    #[must_use]
+    pub fn parametric(seed: u64, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Self {
+        let face = Face::refined(seed, vertex_count, near, near_mm);
+        let albedo = face.domain.par_iter().map(|&at| skin::albedo(&face.person, at)).collect();
+        let muscles = Muscles::of(&face.person, &face.domain, &Similarity3::identity());
+        let props = props::of(&face.person);
+        let motion = Motion::Muscles(muscles);
+        Self { props, ..Self::build(face, albedo, Similarity3::identity(), muscle_names(), motion) }
+    }
+
+    /// A body that blends shapes: `offsets` hold per name one displacement per vertex, mm.
+    #[must_use]
+    pub fn from_shapes(
+        mesh: Mesh,
+        domain: Vec<Point2<f64>>,
+        albedo: Vec<[f32; 3]>,
+        names: Vec<String>,
+        offsets: Vec<Vec<Vector3<f64>>>,
+    ) -> Self {
+        let shapes = offsets.iter().map(|all| Offsets::of(all, 0.0)).collect();
+        let face = Face { person: Person::of_seed(0), domain, mesh };
+        Self::build(face, albedo, Similarity3::identity(), names, Motion::Shapes(shapes))
+    }
+
+    /// A scan on which the muscles of the average face act. `face_from_canonical` carries the average face into the
+    /// scan's space.
+    #[must_use]
+    pub fn from_muscles(
+        mesh: Mesh,
+        domain: Vec<Point2<f64>>,
+        albedo: Vec<[f32; 3]>,
+        face_from_canonical: Similarity3<f64>,
+    ) -> Self {
+        let person = Person::of_seed(0);
+        let muscles = Muscles::of(&person, &domain, &face_from_canonical);
+        let face = Face { person, domain, mesh };
+        Self::build(face, albedo, face_from_canonical, muscle_names(), Motion::Muscles(muscles))
+    }
+
+    fn build(
+        face: Face,
+        albedo: Vec<[f32; 3]>,
+        face_from_canonical: Similarity3<f64>,
+        names: Vec<String>,
+        motion: Motion,
+    ) -> Self {
+        let Face { person, domain, mesh } = face;
+        let triangles = mesh.triangles();
+        Self {
+            mesh,
+            triangles,
+            domain,
+            albedo,
+            props: Vec::new(),
+            person,
+            face_from_canonical,
+            names,
+            motion,
+        }
+    }
+
+    /// What the weights of [`Self::large_scale`] mean, in their order.
+    #[must_use]
+    pub fn shape_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The surface without wrinkles, the head at rest: one point per vertex, mm. One weight per shape; missing ones
+    /// are 0.
+    #[must_use]
+    pub fn large_scale(&self, weights: &[f64]) -> Vec<Point3<f64>> {
+        match &self.motion {
+            Motion::Muscles(muscles) => muscles.pose(&self.mesh.positions, weights),
+            Motion::Shapes(shapes) => {
+                let active: Vec<(&Offsets, f64)> =
+                    shapes.iter().zip(weights.iter().copied()).filter(|(_, weight)| *weight != 0.0).collect();
+                motion::pose(&self.mesh.positions, &active, &[])
+            }
+        }
+    }
+
+    /// 85 markers on vertices: 8 on the lips, 4 on the lids, the rest spread over the face, closer around the mouth
+    /// and the eyes. A marker whose place the mesh does not cover is left out.
+    #[must_use]
+    pub fn markers(&self) -> Vec<MarkerPlace> {
+        face::markers(&self.person, &self.domain)
+    }
+
+    /// The rest positions of five markers on a headband over the forehead, mm; they move with the head only.
+    #[must_use]
+    pub fn headband(&self) -> Vec<(String, Point3<f64>)> {
+        let carried = |(name, point)| (name, self.face_from_canonical.transform_point(&point));
+        face::headband(&self.person).into_iter().map(carried).collect()
+    }
+}
+
+fn muscle_names() -> Vec<String> {
+    MUSCLES.iter().map(ToString::to_string).collect()
+}

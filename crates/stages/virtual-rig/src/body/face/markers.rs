@@ -1,18 +1,20 @@
 //! Where the markers sit.
 
-use crate::face::expression::lid_point;
-use crate::face::outline::{Contour, eye_center, mouth_line};
-use crate::face::person::Person;
-use crate::face::surface;
+use crate::body::face::outline::{Contour, EYE_HALF_WIDTH, eye_center, lid_edges, mouth_line};
+use crate::body::face::person::Person;
+use crate::body::face::sampling::contains;
+use crate::body::face::surface;
 use nalgebra::{Point2, Point3, Vector3};
 use std::collections::BTreeMap;
 
-/// A marker on a vertex of the face.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Marker {
+/// A marker on the face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MarkerPlace {
     /// Its id, e.g. `brow_l_1` (l: the subject's left, m: the middle).
     pub name: String,
-    /// The vertex that it sits on.
+    /// Its place on the unrolled face, mm; the same for any mesh of a person.
+    pub at: Point2<f64>,
+    /// The vertex nearest to it.
     pub vertex: u32,
 }
 
@@ -21,24 +23,41 @@ const COUNT: usize = 85;
 const RIM_MARGIN: f64 = 9.0;
 /// Height of the headband over the skin, mm.
 const BAND_HEIGHT: f64 = 6.0;
+/// A marker farther from the next vertex has no place on that mesh, mm.
+const FARTHEST: f64 = 5.0;
+/// Step of the places that markers are chosen from, mm.
+const STEP: f64 = 2.0;
 
-pub(crate) fn place(person: &Person, domain: &[Point2<f64>], positions: &[Point3<f64>]) -> Vec<Marker> {
+pub(in crate::body) fn markers(person: &Person, domain: &[Point2<f64>]) -> Vec<MarkerPlace> {
     let nearest = |at: Point2<f64>| {
-        let distance = |vertex: &usize| (domain[*vertex] - at).norm();
-        (0..domain.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as u32
+        let distance = |vertex: &usize| (domain[*vertex] - at).norm_squared();
+        (0..domain.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     };
-    let mut markers: Vec<Marker> = named_places(person)
-        .into_iter()
-        .map(|(name, at)| Marker { name: name.to_string(), vertex: nearest(at) })
-        .collect();
+    let placed = |(name, at): (String, Point2<f64>)| MarkerPlace { name, at, vertex: nearest(at) as u32 };
+    let covered = |marker: &MarkerPlace| (domain[marker.vertex as usize] - marker.at).norm() < FARTHEST;
+    places(person).into_iter().map(placed).filter(covered).collect()
+}
+
+/// Names and places of all markers.
+fn places(person: &Person) -> Vec<(String, Point2<f64>)> {
+    let mut places: Vec<(String, Point2<f64>)> =
+        named_places(person).into_iter().map(|(name, at)| (name.to_string(), at)).collect();
+    let first: Vec<Point2<f64>> = places.iter().map(|place| place.1).collect();
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    for vertex in spread(person, domain, positions, &markers) {
-        let zone = zone(domain[vertex as usize]);
+    for at in spread(person, &first) {
+        let zone = zone(at);
         let count = counts.entry(zone.clone()).or_default();
         *count += 1;
-        markers.push(Marker { name: format!("{zone}_{count}"), vertex });
+        places.push((format!("{zone}_{count}"), at));
     }
-    markers
+    places
+}
+
+/// Where the marker of a lid sits.
+fn lid_point(person: &Person, side: f64, upper: bool) -> Point2<f64> {
+    let s = eye_center(person, side).x + 0.05 * EYE_HALF_WIDTH;
+    let (low, high) = lid_edges(person, side, s).unwrap_or((0.0, 0.0));
+    Point2::new(s, if upper { high + 2.5 } else { low - 3.0 })
 }
 
 /// Lips and lids.
@@ -62,27 +81,41 @@ fn named_places(person: &Person) -> Vec<(&'static str, Point2<f64>)> {
 }
 
 /// Farthest points, one after the other; distances near mouth and eyes count more.
-fn spread(person: &Person, domain: &[Point2<f64>], positions: &[Point3<f64>], first: &[Marker]) -> Vec<u32> {
-    let rim: Vec<Point2<f64>> = (0..360).map(|i| Contour::Rim.at(person, f64::from(i) / 360.0)).collect();
-    let in_nostrils = |at: &Point2<f64>| at.x.abs() < 18.0 && (-9.0..1.0).contains(&at.y);
-    let allowed =
-        |at: &Point2<f64>| !in_nostrils(at) && rim.iter().all(|edge| (edge - at).norm() > RIM_MARGIN);
-    let pull: Vec<f64> =
-        domain.iter().map(|at| if allowed(at) { attraction(person, *at) } else { 0.0 }).collect();
-    let mut reach = vec![f64::INFINITY; positions.len()];
-    let mut cover = |from: u32| -> u32 {
-        for (vertex, reach) in reach.iter_mut().enumerate() {
-            *reach = reach.min((positions[vertex] - positions[from as usize]).norm() * pull[vertex]);
+fn spread(person: &Person, first: &[Point2<f64>]) -> Vec<Point2<f64>> {
+    let candidates = candidates(person);
+    let points: Vec<Point3<f64>> = candidates.iter().map(|&at| surface::point(person, at)).collect();
+    let pull: Vec<f64> = candidates.iter().map(|&at| attraction(person, at)).collect();
+    let mut reach = vec![f64::INFINITY; points.len()];
+    let mut cover = |from: Point2<f64>| -> Point2<f64> {
+        let from = surface::point(person, from);
+        for (candidate, reach) in reach.iter_mut().enumerate() {
+            *reach = reach.min((points[candidate] - from).norm() * pull[candidate]);
         }
-        (0..reach.len()).max_by(|&a, &b| reach[a].total_cmp(&reach[b])).unwrap_or(0) as u32
+        candidates[(0..reach.len()).max_by(|&a, &b| reach[a].total_cmp(&reach[b])).unwrap_or(0)]
     };
-    let mut next = first.iter().map(|marker| cover(marker.vertex)).last().unwrap_or(0);
+    let mut next = first.iter().map(|&at| cover(at)).last().unwrap_or_default();
     let mut chosen = Vec::new();
     while first.len() + chosen.len() < COUNT {
         chosen.push(next);
         next = cover(next);
     }
     chosen
+}
+
+/// A grid of places on the skin, off the rim, the openings and the nostrils.
+fn candidates(person: &Person) -> Vec<Point2<f64>> {
+    let [rim, holes @ ..] = Contour::ALL.map(|contour| -> Vec<Point2<f64>> {
+        (0..360).map(|i| contour.at(person, f64::from(i) / 360.0)).collect()
+    });
+    let in_nostrils = |at: &Point2<f64>| at.x.abs() < 18.0 && (-9.0..1.0).contains(&at.y);
+    let on_skin = |at: &Point2<f64>| {
+        contains(&rim, *at)
+            && rim.iter().all(|edge| (edge - at).norm() > RIM_MARGIN)
+            && !holes.iter().any(|hole| contains(hole, *at))
+            && !in_nostrils(at)
+    };
+    let row = |i: i32| (-50..=50).map(move |j| Point2::new(STEP * f64::from(j), STEP * f64::from(i)));
+    (-50..=60).flat_map(row).filter(on_skin).collect()
 }
 
 fn attraction(person: &Person, at: Point2<f64>) -> f64 {
@@ -116,7 +149,7 @@ fn zone(at: Point2<f64>) -> String {
     format!("{part}_{side}")
 }
 
-pub(crate) fn headband(person: &Person) -> Vec<(String, Point3<f64>)> {
+pub(in crate::body) fn headband(person: &Person) -> Vec<(String, Point3<f64>)> {
     let places = [
         ("head_1", 72.0, 78.0),
         ("head_2", 40.0, 101.0),

@@ -1,80 +1,42 @@
-//! A synthetic face: an open mask with eyes and mouth cut out, that can speak, smile and blink.
-//!
-//! It is the truth for tests of the whole chain: it shares no code with any stage.
+//! A synthetic face: an open mask with eyes and mouth cut out, as a smooth map from the unrolled face.
 
-mod expression;
 mod markers;
-mod outline;
+mod noise;
+pub(super) mod outline;
 mod person;
-mod profile;
+pub(super) mod profile;
+mod refined;
 mod sampling;
-mod surface;
+pub(super) mod skin;
+pub(super) mod surface;
 mod triangulation;
 
-pub use expression::Weights;
-pub use markers::Marker;
+pub use markers::MarkerPlace;
 pub use person::Person;
 
-use expression::Fields;
+pub(super) use markers::{headband, markers};
+
 use mesh::{Label, LabelKind, Mesh, Polygons};
-use nalgebra::{Point2, Point3, Vector2};
+use nalgebra::{Point2, Vector2};
 use outline::Region;
 
-/// A face: millimetres, y up, looking along +z, the subject's left at +x, the origin below the nose.
+/// A face at rest.
 #[derive(Debug, Clone)]
-pub struct Face {
-    person: Person,
+pub(super) struct Face {
+    pub(super) person: Person,
     /// Per vertex its place on the unrolled face, mm.
-    domain: Vec<Point2<f64>>,
-    mesh: Mesh,
-    fields: Fields,
+    pub(super) domain: Vec<Point2<f64>>,
+    pub(super) mesh: Mesh,
 }
 
 impl Face {
-    /// Vertices of a face as scanned.
-    pub const VERTEX_COUNT: usize = 30_000;
-
-    /// The face of a seed with about `vertex_count` vertices (500 to 300 000; within 10 %). The same arguments give
-    /// the same face; seed 0 is the average face.
-    #[must_use]
-    pub fn new(seed: u64, vertex_count: usize) -> Self {
+    /// The face of a seed with about `vertex_count` vertices (within 10 %), spread evenly but for eyes and mouth.
+    pub(super) fn new(seed: u64, vertex_count: usize) -> Self {
         let person = Person::of_seed(seed);
         let samples = sampling::sample(&person, seed, vertex_count.clamp(500, 300_000));
         let triangles = triangulation::triangulate(&samples);
         let mesh = grouped_mesh(&person, &samples, triangles);
-        let fields = Fields::of(&person, &samples);
-        Self { person, domain: samples.domain, mesh, fields }
-    }
-
-    /// The rest pose: triangles, texture coordinates (the unrolled face), groups.
-    #[must_use]
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
-    }
-
-    /// The true surface of an expression: one point per vertex, mm, the head at rest.
-    #[must_use]
-    pub fn deform(&self, weights: &Weights) -> Vec<Point3<f64>> {
-        self.fields.deform(&self.mesh.positions, weights)
-    }
-
-    /// 85 markers on vertices: 8 on the lips, 4 on the lids, the rest spread over the face, closer around the mouth
-    /// and the eyes.
-    #[must_use]
-    pub fn markers(&self) -> Vec<Marker> {
-        markers::place(&self.person, &self.domain, &self.mesh.positions)
-    }
-
-    /// The rest positions of five markers on a headband over the forehead, mm; they move with the head only.
-    #[must_use]
-    pub fn headband(&self) -> Vec<(String, Point3<f64>)> {
-        markers::headband(&self.person)
-    }
-
-    /// Whose face it is.
-    #[must_use]
-    pub fn person(&self) -> &Person {
-        &self.person
+        Self { person, domain: samples.domain, mesh }
     }
 }
 

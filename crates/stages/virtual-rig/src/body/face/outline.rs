@@ -1,7 +1,7 @@
 //! The contours of the domain: the rim, the almonds of the eyes, the slit of the mouth.
 
-use crate::face::person::Person;
-use crate::face::profile::bump;
+use crate::body::face::person::Person;
+use crate::body::face::profile::bump;
 use nalgebra::Point2;
 
 /// Half the width of an eye opening, mm.
@@ -19,6 +19,13 @@ pub(crate) fn eye_center(person: &Person, side: f64) -> Point2<f64> {
 /// t of the closed mouth line.
 pub(crate) fn mouth_line(s: f64) -> f64 {
     -28.5 - 0.9 * bump(s / 5.0) + 0.7 * bump((s.abs() - 12.0) / 6.0) + 1.5 * bump(s / 18.0)
+}
+
+/// The edges of the lips' red, relative to the mouth line (lower lip, upper lip), mm.
+pub(crate) fn lip_edges(person: &Person, s: f64) -> (f64, f64) {
+    let out = (s / person.mouth_half_width).powi(2).min(1.0);
+    let bow = 7.6 - 1.6 * bump(s / 3.2) + 0.9 * bump((s.abs() - 6.0) / 3.5) - 5.0 * out;
+    (-9.5 + 7.0 * out, bow)
 }
 
 /// t of the edges of an eye opening (lower lid, upper lid) at s; `None` beyond its corners.
@@ -75,7 +82,7 @@ impl Contour {
 /// A rounded outline: hair line above, under the jaw below.
 fn rim(turn: f64) -> Point2<f64> {
     let (cos, sin) = (turn.cos(), turn.sin());
-    let (height, exponent) = if sin > 0.0 { (100.0, 2.5) } else { (107.0, 2.7) };
+    let (height, exponent) = if sin > 0.0 { (100.0, 2.5) } else { (107.0, 2.2) };
     let round = |x: f64| x.signum() * x.abs().powf(2.0 / exponent);
     Point2::new(95.0 * round(cos), 15.0 + height * round(sin))
 }

@@ -26,6 +26,14 @@ pub struct Person {
     pub(crate) forehead_slope: f64,
     /// Amplitudes of four slow waves that make left and right differ, mm.
     pub(crate) asymmetry: [f64; 4],
+    /// Pigment of the skin, 0 to 1.
+    pub(crate) melanin: f64,
+    /// How much a beard darkens the skin.
+    pub(crate) beard: f64,
+    /// Colour of the iris: 0 blue to 1 brown.
+    pub(crate) iris: f64,
+    /// Seed of all that is random on the skin.
+    pub(crate) seed: u64,
 }
 
 impl Person {
@@ -55,6 +63,10 @@ impl Person {
             mouth_half_width: vary(25.0, 2.0),
             forehead_slope: vary(0.0, 4.0),
             asymmetry: std::array::from_fn(|_| vary(0.0, 0.6)),
+            melanin: vary(0.38, 0.38),
+            beard: vary(0.07, 0.07),
+            iris: vary(0.6, 0.4),
+            seed: 0x5eed_5c1f ^ seed,
         }
     }
 }
