@@ -1,1 +1,9 @@
 //! Whose face: its rest surface, and how it moves without wrinkles.
+
+mod face;
+
+pub mod expressions;
+pub mod place;
+pub mod scan;
+pub mod subdivide;
+pub mod texture;

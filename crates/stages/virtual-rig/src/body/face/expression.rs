@@ -1,10 +1,10 @@
 //! Expressions as displacement fields on the face, known everywhere, not only at markers.
 
-use crate::face::outline::{EYE_HALF_WIDTH, eye_center, lid_edges, mouth_line};
-use crate::face::person::Person;
-use crate::face::profile::{bump, hill, smooth_step};
-use crate::face::sampling::Samples;
-use crate::face::surface;
+use crate::body::face::outline::{EYE_HALF_WIDTH, eye_center, lid_edges, mouth_line};
+use crate::body::face::person::Person;
+use crate::body::face::profile::{bump, hill, smooth_step};
+use crate::body::face::sampling::Samples;
+use crate::body::face::surface;
 use nalgebra::{Complex, Point2, Point3, Vector3};
 
 /// How much of each expression: 0 none, 1 full strength.

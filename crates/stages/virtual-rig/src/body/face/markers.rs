@@ -1,9 +1,9 @@
 //! Where the markers sit.
 
-use crate::face::expression::lid_point;
-use crate::face::outline::{Contour, eye_center, mouth_line};
-use crate::face::person::Person;
-use crate::face::surface;
+use crate::body::face::expression::lid_point;
+use crate::body::face::outline::{Contour, eye_center, mouth_line};
+use crate::body::face::person::Person;
+use crate::body::face::surface;
 use nalgebra::{Point2, Point3, Vector3};
 use std::collections::BTreeMap;
 

@@ -4,11 +4,11 @@
 
 mod expression;
 mod markers;
-mod outline;
+pub(super) mod outline;
 mod person;
 mod profile;
 mod sampling;
-mod surface;
+pub(super) mod surface;
 mod triangulation;
 
 pub use expression::Weights;

@@ -1,7 +1,7 @@
 //! The contours of the domain: the rim, the almonds of the eyes, the slit of the mouth.
 
-use crate::face::person::Person;
-use crate::face::profile::bump;
+use crate::body::face::person::Person;
+use crate::body::face::profile::bump;
 use nalgebra::Point2;
 
 /// Half the width of an eye opening, mm.

@@ -1,9 +1,9 @@
 //! Points on the face: contours first, then blue noise in between, denser at eyes and mouth.
 
-use crate::face::outline::{Contour, EYE_HALF_WIDTH, eye_center, mouth_line};
-use crate::face::person::Person;
-use crate::face::profile::smooth_step;
-use crate::face::surface;
+use crate::body::face::outline::{Contour, EYE_HALF_WIDTH, eye_center, mouth_line};
+use crate::body::face::person::Person;
+use crate::body::face::profile::smooth_step;
+use crate::body::face::surface;
 use nalgebra::{Point2, Point3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -3,9 +3,9 @@
 //! The domain is the unrolled face in millimetres: s runs around the head (0 in the middle, positive to the subject's
 //! left, which is +x), t runs up (0 under the nose). Bones and soft parts are hills on an elliptic head.
 
-use crate::face::outline;
-use crate::face::person::Person;
-use crate::face::profile::{bump, curve, hill, smooth_max, smooth_step, softplus};
+use crate::body::face::outline;
+use crate::body::face::person::Person;
+use crate::body::face::profile::{bump, curve, hill, smooth_max, smooth_step, softplus};
 use nalgebra::{Point2, Point3, Vector3};
 
 /// Millimetres of s per radian around the head.

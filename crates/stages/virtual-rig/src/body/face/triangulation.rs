@@ -1,6 +1,6 @@
 //! Triangles between the points: constrained Delaunay in the domain, then flips until it is Delaunay in space.
 
-use crate::face::sampling::{Samples, contains};
+use crate::body::face::sampling::{Samples, contains};
 use nalgebra::{Point2, Point3};
 use spade::{ConstrainedDelaunayTriangulation, Point2 as Site, Triangulation};
 use std::collections::BTreeMap;
