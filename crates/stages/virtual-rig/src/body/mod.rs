@@ -1,10 +1,15 @@
 //! Whose face: its rest surface, and how it moves without wrinkles.
 
+pub mod expressions;
 pub mod face;
 mod motion;
 mod muscles;
+pub mod place;
 mod props;
 pub mod refine;
+pub mod scan;
+pub mod subdivide;
+pub mod texture;
 
 pub use face::MarkerPlace;
 pub use muscles::MUSCLES;

@@ -1,0 +1,164 @@
+//! A scan of anybody, made ready to act: refined, laid onto the average face, with its colours.
+
+use super::face::outline::mouth_line;
+use super::place::{PlaceError, Placement};
+use super::subdivide::{Refined, triangulated};
+use super::texture::{SKIN, Texture};
+use artifact::Unit;
+use artifact::picks::Pick;
+use mesh::{Connectivity, Mesh};
+use nalgebra::{Point2, Similarity3, Vector1};
+
+/// Half the width of the average mouth, mm.
+const MOUTH_HALF_WIDTH: f64 = 25.0;
+/// Where lips may overlap: no farther from the mouth line, mm.
+const LIP_OVERLAP: f64 = 5.0;
+/// Lips that touch are this far apart on the unrolled face, half, mm.
+const LIP_GAP: f64 = 0.05;
+/// Vertices that the rig will work with at most.
+pub const MOST_VERTICES: usize = 4_000_000;
+
+/// A scan, ready to act.
+#[derive(Debug, Clone)]
+pub struct Scan {
+    /// Triangles only; mm; the vertices of the file first, in their order.
+    pub mesh: Mesh,
+    /// Per vertex its place on the unrolled average face, mm. Along the slit of an open mouth, upper and lower lip lie
+    /// on their own sides of the mouth line, also where they touch.
+    pub domain: Vec<Point2<f64>>,
+    /// Per vertex its linear RGB reflectance.
+    pub albedo: Vec<[f32; 3]>,
+    /// The average face's space into the scan's.
+    pub face_from_canonical: Similarity3<f64>,
+    /// Per landmark its name and how far the average face's lies from it, mm.
+    pub residuals: Vec<(String, f64)>,
+    /// Whether the surface is cut open between the lips. A closed mouth cannot open: its jaw would tear the skin.
+    pub mouth_is_open: bool,
+}
+
+/// Why a scan cannot act.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ScanError {
+    /// It cannot be laid onto the average face.
+    #[error(transparent)]
+    Place(#[from] PlaceError),
+    /// A picture, but nothing that says where it goes.
+    #[error("the scan has no texture coordinates, so its picture cannot be put on")]
+    NoTextureCoordinates,
+    /// More vertices than the rig works with.
+    #[error(
+        "{levels} levels of subdivision make about {count} vertices of {from}; {MOST_VERTICES} are the most"
+    )]
+    TooMany {
+        /// Levels asked for.
+        levels: usize,
+        /// Vertices of the file.
+        from: usize,
+        /// Vertices then.
+        count: usize,
+    },
+}
+
+/// What is known of a scan beside its surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Notes<'a> {
+    /// The unit that its file was read in, for messages.
+    pub unit: Unit,
+    /// Its landmarks.
+    pub landmarks: &'a [Pick],
+    /// Its picture.
+    pub texture: Option<&'a Texture>,
+    /// How often each triangle becomes four.
+    pub levels: usize,
+}
+
+/// Makes a scan ready to act; `mesh` in mm, polygons of any size, open or closed.
+///
+/// # Errors
+/// Landmarks that do not fit, a size that no head has, a picture without texture coordinates, too many levels.
+pub fn scan(mesh: &Mesh, notes: &Notes) -> Result<Scan, ScanError> {
+    prepare(mesh, notes).map(|(scan, _)| scan)
+}
+
+/// As [`scan`], with the way from the file's vertices to the scan's.
+pub(super) fn prepare(mesh: &Mesh, notes: &Notes) -> Result<(Scan, Refined), ScanError> {
+    check_count(mesh, notes.levels)?;
+    if notes.texture.is_some() && mesh.corner_uvs.is_empty() {
+        return Err(ScanError::NoTextureCoordinates);
+    }
+    let placement = Placement::of(&mesh.positions, notes.unit, notes.landmarks)?;
+    let refined = Refined::of(mesh, notes.levels);
+    let coarse = triangulated(mesh);
+    let sides = lip_sides(&coarse, &placement.domain(&coarse.positions));
+    let mut domain = placement.domain(&refined.mesh.positions);
+    settle_lips(&mut domain, &refined.field(&sides));
+    let albedo = match notes.texture {
+        Some(texture) => texture.albedo(&refined.mesh),
+        None => vec![SKIN; refined.mesh.positions.len()],
+    };
+    let scan = Scan {
+        mouth_is_open: has_slit(&refined.mesh, &domain),
+        mesh: refined.mesh.clone(),
+        domain,
+        albedo,
+        face_from_canonical: placement.face_from_canonical,
+        residuals: placement.residuals,
+    };
+    Ok((scan, refined))
+}
+
+fn check_count(mesh: &Mesh, levels: usize) -> Result<(), ScanError> {
+    let from = mesh.positions.len();
+    // Euler: a triangle mesh of n vertices has about 3n edges.
+    let count = from.saturating_mul(4usize.saturating_pow(u32::try_from(levels).unwrap_or(u32::MAX)));
+    match count > MOST_VERTICES {
+        true => Err(ScanError::TooMany { levels, from, count }),
+        false => Ok(()),
+    }
+}
+
+/// Height over the mouth line, mm.
+fn above_mouth(at: Point2<f64>) -> f64 {
+    at.y - mouth_line(at.x)
+}
+
+fn between_corners(at: Point2<f64>) -> bool {
+    at.x.abs() < MOUTH_HALF_WIDTH && above_mouth(at).abs() < LIP_OVERLAP
+}
+
+/// Per vertex +1 above the mouth and −1 below. Lips touch or overlap, so that the place of a vertex between them says
+/// little; the places of the vertices around it, which hang together with its own lip only, say more.
+fn lip_sides(mesh: &Mesh, domain: &[Point2<f64>]) -> Vec<Vector1<f64>> {
+    let (starts, neighbors) = Connectivity::of(mesh.positions.len(), &mesh.triangles()).one_rings();
+    let side = |vertex: usize| {
+        let ring = &neighbors[starts[vertex]..starts[vertex + 1]];
+        let heights = ring.iter().map(|&other| above_mouth(domain[other as usize]));
+        let height = match between_corners(domain[vertex]) && !ring.is_empty() {
+            true => heights.sum(),
+            false => above_mouth(domain[vertex]),
+        };
+        Vector1::new(height.signum())
+    };
+    (0..domain.len()).map(side).collect()
+}
+
+/// Brings vertices between the lips onto their own side of the mouth line.
+fn settle_lips(domain: &mut [Point2<f64>], sides: &[Vector1<f64>]) {
+    for (at, side) in domain.iter_mut().zip(sides) {
+        let side = side.x.signum();
+        if between_corners(*at) && above_mouth(*at) * side < LIP_GAP {
+            at.y = mouth_line(at.x) + side * LIP_GAP;
+        }
+    }
+}
+
+/// Whether some boundary runs from one corner of the mouth to the other.
+fn has_slit(mesh: &Mesh, domain: &[Point2<f64>]) -> bool {
+    let loops = Connectivity::of(mesh.positions.len(), &mesh.triangles()).boundary_loops();
+    loops.iter().any(|vertices| {
+        let places = vertices.iter().map(|&vertex| domain[vertex as usize]);
+        let near = |at: &Point2<f64>| at.x.abs() < 1.5 * MOUTH_HALF_WIDTH && above_mouth(*at).abs() < 20.0;
+        let reach = |sign: f64| places.clone().map(|at| sign * at.x).fold(f64::NEG_INFINITY, f64::max);
+        places.clone().all(|at| near(&at)) && reach(1.0).min(reach(-1.0)) > 0.5 * MOUTH_HALF_WIDTH
+    })
+}
