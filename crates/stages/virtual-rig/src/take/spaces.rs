@@ -1,5 +1,6 @@
 //! From the scan's space to the world of the cameras.
 
+use crate::Error;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,20 @@ impl Default for Spaces {
 const BEND_REACH: f64 = 100.0;
 
 impl Spaces {
+    /// Whether such a recording can be.
+    ///
+    /// # Errors
+    /// Names the parameter.
+    pub fn check(&self) -> Result<(), Error> {
+        if !(0.0..=20.0).contains(&self.bend_mm) {
+            return Err(Error::parameter("spaces.bend_mm", "must lie between 0 and 20 mm"));
+        }
+        match (0.5..=2.0).contains(&self.scale) {
+            true => Ok(()),
+            false => Err(Error::parameter("spaces.scale", "must lie between 0.5 and 2")),
+        }
+    }
+
     /// Where a face stands in the world when the head is at rest, but for scale and bend.
     #[must_use]
     pub fn world_from_face() -> Isometry3<f64> {

@@ -1,0 +1,63 @@
+//! Balls on a headband: they move with the head only.
+
+use crate::body::Body;
+use crate::scenario::Scenario;
+use crate::take::shapes::{ball, strip};
+use mesh::{Mesh, vertex_normals};
+use nalgebra::{Point3, Vector3};
+
+/// A headband with blue balls.
+pub struct Headband {
+    balls: Vec<(String, Point3<f64>)>,
+    /// Band and balls, in the space of the resting face, with their reflectance.
+    pub(super) mesh: Mesh,
+    pub(super) albedo: Vec<[f32; 3]>,
+    pub(super) normals: Vec<Vector3<f64>>,
+}
+
+/// Radius of a ball, mm.
+pub(super) const BALL_MM: f64 = 1.8;
+/// Height of the band, mm.
+const BAND_MM: f64 = 7.0;
+const BAND_ALBEDO: [f32; 3] = [0.05, 0.05, 0.055];
+
+impl Headband {
+    pub(super) fn of(body: &Body, scenario: &Scenario) -> Self {
+        let balls = body.headband();
+        let mut points = Vec::new();
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
+        let mut albedo = Vec::new();
+        let mut add = |(positions, faces): (Vec<Point3<f64>>, Vec<[u32; 3]>), color: [f32; 3]| {
+            let first = points.len() as u32;
+            albedo.extend(std::iter::repeat_n(color, positions.len()));
+            points.extend(positions.into_iter().map(|point| [point.x, point.y, point.z]));
+            triangles.extend(faces.into_iter().map(|face| face.map(|corner| first + corner)));
+        };
+        for (_, center) in &balls {
+            add(ball(center, BALL_MM), scenario.paint.dot_color);
+        }
+        // The band runs behind the balls, so that nothing of them sinks into it.
+        let middle = balls.iter().fold(Vector3::zeros(), |sum, (_, at)| sum + at.coords) / balls.len().max(1) as f64;
+        let behind = |at: &Point3<f64>| {
+            let mut out = at.coords - middle;
+            out.y = 0.0;
+            out.z += 60.0;
+            at - out.normalize() * (BALL_MM + 0.6)
+        };
+        let line: Vec<Point3<f64>> = balls.iter().map(|(_, at)| behind(at)).collect();
+        add(strip(&line, BAND_MM), BAND_ALBEDO);
+        let mesh = Mesh::from_triangles(points, &triangles);
+        let normals = vertex_normals(&mesh.positions, &triangles);
+        Self { balls, mesh, albedo, normals }
+    }
+
+    /// Ids of the balls.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.balls.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Centres of the balls, in the space of the resting face, mm.
+    pub(super) fn centers(&self) -> impl Iterator<Item = Point3<f64>> {
+        self.balls.iter().map(|(_, center)| *center)
+    }
+}

@@ -1,0 +1,177 @@
+//! Images: what stands before a camera while its shutter is open, and what becomes of it.
+
+use crate::Error;
+use crate::film::{self, Exposure, Grain, Moment, Scene, Skin, Solid};
+use crate::light;
+use crate::take::shapes::ball;
+use crate::take::{Pose, Role, Station, Studio};
+use mesh::{Mesh, vertex_normals};
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::TAU;
+
+/// What stands before the cameras while their shutters are open around one time.
+pub struct Set {
+    /// The face in the middle of the exposure.
+    pub pose: Pose,
+    /// The skin in the world in the middle of the exposure.
+    pub skin_in_world: Vec<Point3<f64>>,
+    /// Normals of the skin in the world.
+    pub normals: Vec<Vector3<f64>>,
+    open: Vec<Point3<f64>>,
+    close: Option<Vec<Point3<f64>>>,
+    props: Vec<Piece>,
+    /// Light on the skin for wrinkle cameras.
+    close_light: Option<Vec<[f32; 3]>>,
+}
+
+/// A prop in the world, when the shutter opens and closes.
+struct Piece {
+    triangles: Vec<[u32; 3]>,
+    albedo: Vec<[f32; 3]>,
+    open: Vec<Point3<f64>>,
+    close: Option<Vec<Point3<f64>>>,
+    light: Vec<[f32; 3]>,
+}
+
+/// Reflectance of a finger.
+const FINGER: [f32; 3] = [0.42, 0.27, 0.20];
+/// Light on props: they stand in the shadow of brows and lips, which is not traced.
+const PROP_LIGHT: f32 = 0.75;
+/// A flash lights the face so much more.
+const FLASH: f64 = 2.5;
+/// The gain rises and falls once in so many seconds.
+const GAIN_PERIOD_S: f64 = 4.0;
+
+impl Studio {
+    /// Sets up what cameras see around `time_s` with shutters that are open for `exposure_s`; `close_look`: for wrinkle
+    /// cameras, with the light traced from this moment's skin.
+    #[must_use]
+    pub fn set(&self, time_s: f64, exposure_s: f64, close_look: bool) -> Set {
+        let pose = self.pose(time_s);
+        let skin_in_world = self.in_world(&pose.skin, &pose.world_from_head);
+        let at = |time_s: f64| {
+            let pose = self.pose(time_s);
+            self.in_world(&pose.skin, &pose.world_from_head)
+        };
+        let (open, close) = match exposure_s > 0.0 {
+            true => (at(time_s - 0.5 * exposure_s), Some(at(time_s + 0.5 * exposure_s))),
+            false => (skin_in_world.clone(), None),
+        };
+        let normals = vertex_normals(&skin_in_world, &self.body.triangles);
+        let close_light = close_look.then(|| {
+            let surface = light::Surface {
+                positions: &skin_in_world,
+                normals: &normals,
+                triangles: &self.body.triangles,
+            };
+            let scene = light::Scene::build(&skin_in_world, &self.body.triangles, &[]);
+            light::shade(&scene, &surface, &self.plan, &self.body.albedo, &self.scenario.light)
+        });
+        let props = self.props(time_s, exposure_s);
+        Set { pose, skin_in_world, normals, open, close, props, close_light }
+    }
+
+    /// Exposes an image of a set: linear light, before lens blur and noise.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the film's parameters make no sense.
+    pub fn expose(&self, set: &Set, station: &Station) -> Result<Exposure, Error> {
+        let wrinkle = set.close_light.as_ref().filter(|_| station.role == Role::Wrinkle);
+        let irradiance = wrinkle.unwrap_or(&self.baked);
+        let face = Solid {
+            skin: Skin { triangles: &self.body.triangles, albedo: &self.body.albedo },
+            moment: Moment {
+                open: &set.open,
+                close: set.close.as_deref(),
+                normals: &set.normals,
+                irradiance,
+            },
+        };
+        let props: Vec<Solid> = set.props.iter().map(Piece::solid).collect();
+        let scene = Scene { face, layers: &self.layers, props: &props };
+        film::expose(&station.camera, &scene, &self.scenario.film)
+    }
+
+    /// What the sensor makes of an exposure: 8 bits per channel, rows of red, green, blue.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the sensor's parameters make no sense.
+    pub fn develop(&self, exposure: &Exposure, station: &Station, shot: i64, time_s: f64) -> Result<Vec<u8>, Error> {
+        let drift = 1.0 + self.scenario.gain_drift * (TAU * time_s / GAIN_PERIOD_S).sin();
+        let flash = if self.is_flash(time_s) { FLASH } else { 1.0 };
+        let sensor = film::Sensor { gain: station.sensor.gain * drift * flash, ..station.sensor.clone() };
+        let grain = Grain { seed: self.scenario.seed, camera: station.number, frame: shot };
+        let mut image = film::develop(exposure, &sensor, grain)?;
+        if station.mirrored {
+            mirror(&mut image, exposure.size[0] as usize);
+        }
+        Ok(image)
+    }
+
+    fn is_flash(&self, time_s: f64) -> bool {
+        let frame = time_s * self.scenario.extent.rate.hz();
+        self.scenario.flash.is_some_and(|flash| (frame - f64::from(flash)).abs() < 0.5)
+    }
+
+    fn props(&self, time_s: f64, exposure_s: f64) -> Vec<Piece> {
+        let fixed = |mesh: &Mesh, albedo: &[[f32; 3]]| {
+            let at = |time_s: f64| self.in_world(&mesh.positions, &self.world_from_head(time_s));
+            Piece::moving(mesh.triangles(), albedo.to_vec(), at, time_s, exposure_s)
+        };
+        let mut pieces: Vec<Piece> = self.body.props.iter().map(|prop| fixed(&prop.mesh, &prop.albedo)).collect();
+        pieces.push(fixed(&self.headband.mesh, &self.headband.albedo));
+        let hands = &self.scenario.hands;
+        let count = hands.centers(self.scenario.seed, time_s).len();
+        for number in 0..count {
+            let form = ball(&Point3::origin(), hands.radius_mm);
+            let at = |time_s: f64| {
+                let center = hands.centers(self.scenario.seed, time_s)[number].coords;
+                let points: Vec<Point3<f64>> = form.0.iter().map(|point| point + center).collect();
+                self.in_world(&points, &nalgebra::Isometry3::identity())
+            };
+            let albedo = vec![FINGER; form.0.len()];
+            pieces.push(Piece::moving(form.1.clone(), albedo, at, time_s, exposure_s));
+        }
+        pieces
+    }
+}
+
+impl Piece {
+    fn moving(
+        triangles: Vec<[u32; 3]>,
+        albedo: Vec<[f32; 3]>,
+        at: impl Fn(f64) -> Vec<Point3<f64>>,
+        time_s: f64,
+        exposure_s: f64,
+    ) -> Self {
+        let light = vec![[PROP_LIGHT; 3]; albedo.len()];
+        let (open, close) = match exposure_s > 0.0 {
+            true => (at(time_s - 0.5 * exposure_s), Some(at(time_s + 0.5 * exposure_s))),
+            false => (at(time_s), None),
+        };
+        Self { triangles, albedo, open, close, light }
+    }
+
+    fn solid(&self) -> Solid<'_> {
+        Solid {
+            skin: Skin { triangles: &self.triangles, albedo: &self.albedo },
+            moment: Moment {
+                open: &self.open,
+                close: self.close.as_deref(),
+                normals: &[],
+                irradiance: &self.light,
+            },
+        }
+    }
+}
+
+/// Turns an image of three bytes a pixel left to right.
+pub(super) fn mirror(image: &mut [u8], width: usize) {
+    for row in image.chunks_exact_mut(3 * width) {
+        for column in 0..width / 2 {
+            for channel in 0..3 {
+                row.swap(3 * column + channel, 3 * (width - 1 - column) + channel);
+            }
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! What is true of an image: where its paint is, where its valleys run.
+
+use crate::film::Exposure;
+use crate::take::headband::BALL_MM;
+use crate::take::{Role, Set, Station, Studio};
+use crate::wrinkle::ValleyPoint;
+use artifact::{Curve2d, CurveState, Sample2d, Section, SectionState, TrackState};
+use camera::Camera;
+use nalgebra::{Point2, Point3, Vector2};
+use std::collections::BTreeMap;
+
+/// What is true of one image.
+#[derive(Debug, Clone, Default)]
+pub struct ImageTruth {
+    /// Per marker the centroid of its visible paint. Seen: less than 70° to the view, and at least 60 % of its paint
+    /// unhidden; `predicted` stands for paint of which less is seen. Confidence is the unhidden share.
+    pub tracks: Vec<Option<Sample2d>>,
+    /// Valley curves by wrinkle, as far as the camera sees them; wrinkle cameras only.
+    pub curves: BTreeMap<String, Curve2d>,
+    /// Their sections: width and depth as image lengths; wrinkle cameras only.
+    pub sections: BTreeMap<String, Vec<Section>>,
+}
+
+/// A marker counts as visible at less than this angle between the skin's normal and the view, rad.
+const MOST_OBLIQUE: f64 = 70.0 * std::f64::consts::PI / 180.0;
+/// … and with at least this share of its paint unhidden.
+const LEAST_SEEN: f64 = 0.6;
+/// The depth of a pixel may differ so much from that of a point seen in it, mm: skin at 70° across half a pixel.
+const DEPTH_TOLERANCE_MM: f64 = 1.5;
+/// Distance of sections along a valley in the image, px, about.
+const SECTION_PX: f64 = 2.0;
+/// Points that a valley curve needs in an image.
+const LEAST_POINTS: usize = 6;
+
+impl Studio {
+    /// What is true of an exposure of a set, in the image as it is stored (mirrored if the camera mirrors).
+    #[must_use]
+    pub fn truth_of(&self, set: &Set, station: &Station, exposure: &Exposure) -> ImageTruth {
+        let camera = &station.camera;
+        let sees = exposure.sees(camera, DEPTH_TOLERANCE_MM);
+        let mut tracks: Vec<Option<Sample2d>> = self
+            .layers
+            .dot_samples()
+            .iter()
+            .map(|dot| {
+                let view = dot.view(&set.skin_in_world, camera, &sees);
+                let seen = view.angle_rad < MOST_OBLIQUE && view.share_seen >= LEAST_SEEN;
+                Some(sample(view.centroid_px?, view.share_seen, seen))
+            })
+            .collect();
+        let balls = self.in_world(&self.headband.centers().collect::<Vec<_>>(), &set.pose.world_from_head);
+        tracks.extend(balls.iter().map(|center| ball_in_image(center, camera, &sees)));
+        let mut truth = ImageTruth { tracks, ..ImageTruth::default() };
+        if station.role == Role::Wrinkle {
+            for valley in &set.pose.valleys {
+                let line = self.seen_valley(set, &valley.points, camera, &sees);
+                if line.len() >= LEAST_POINTS {
+                    truth.sections.insert(valley.id.clone(), line.iter().map(|seen| seen.section).collect());
+                    truth.curves.insert(valley.id.clone(), curve(&line));
+                }
+            }
+        }
+        if station.mirrored {
+            truth.mirror(f64::from(camera.image_size[0]) - 1.0);
+        }
+        truth
+    }
+
+    /// The part of a valley that a camera sees, as sections of the image.
+    fn seen_valley(
+        &self,
+        set: &Set,
+        points: &[ValleyPoint],
+        camera: &Camera,
+        sees: &impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
+    ) -> Vec<Seen> {
+        let world = |point: Point3<f64>| set.pose.world_from_head * self.scenario.spaces.mocap_from_face(point);
+        let mut line: Vec<Seen> = Vec::new();
+        for point in points {
+            let bottom = world(point.at);
+            let Some(pixel) = camera.project(&bottom).filter(|pixel| camera.contains(*pixel)) else { continue };
+            // A deep valley hides its own bottom before it hides its rim: the rim decides.
+            let rim = world(point.surface_point);
+            let is_seen = camera.project(&rim).is_some_and(|at| camera.contains(at) && sees(&rim, at));
+            if !is_seen || line.last().is_some_and(|last| (last.pixel - pixel).norm() < SECTION_PX) {
+                continue;
+            }
+            // The width is a length on the surface: half of what lies between the crossings on both sides.
+            let side = |sign: f64| camera.project(&world(point.surface_point + point.across * (sign * point.w_mm)));
+            let (Some(left), Some(right)) = (side(-1.0), side(1.0)) else { continue };
+            let width = 0.5 * (right - left);
+            line.push(Seen { pixel, section: section(point, pixel, width) });
+        }
+        let count = line.len().max(2) - 1;
+        for (number, seen) in line.iter_mut().enumerate() {
+            seen.section.u = number as f64 / count as f64;
+        }
+        line
+    }
+
+    /// Centroids of all markers on the face and centres of the balls in the world, mm, at a set's moment.
+    #[must_use]
+    pub fn markers_in_world(&self, set: &Set) -> Vec<Point3<f64>> {
+        let Some(station) = self.stations.values().next() else { return Vec::new() };
+        let dots = self.layers.dot_samples().iter();
+        let mut markers: Vec<Point3<f64>> =
+            dots.map(|dot| dot.view(&set.skin_in_world, &station.camera, |_, _| true).center_in_world).collect();
+        let balls: Vec<Point3<f64>> = self.headband.centers().collect();
+        markers.extend(self.in_world(&balls, &set.pose.world_from_head));
+        markers
+    }
+}
+
+/// A place on a valley as a camera sees it.
+struct Seen {
+    pixel: Vector2<f64>,
+    section: Section,
+}
+
+fn sample(at: Vector2<f64>, share: f64, seen: bool) -> Sample2d {
+    let state = if seen { TrackState::Seen } else { TrackState::Predicted };
+    Sample2d { at: Point2::from(at), state, confidence: share.clamp(0.0, 1.0) }
+}
+
+/// A ball's outline is a circle around its projected centre, but for a hundredth of a pixel.
+fn ball_in_image(
+    center: &Point3<f64>,
+    camera: &Camera,
+    sees: &impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
+) -> Option<Sample2d> {
+    let pixel = camera.project(center).filter(|pixel| camera.contains(*pixel))?;
+    let towards = (camera.eye_in_world() - center).normalize();
+    let front = center + towards * BALL_MM;
+    sees(&front, pixel).then(|| sample(pixel, 1.0, true))
+}
+
+fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Section {
+    let (epsilon, kappa) = (point.profile.shape.epsilon(), point.profile.shape.kappa());
+    let w_px = width.norm();
+    let normal = width / w_px.max(1e-12);
+    let ratio = if point.w_mm > 0.0 { point.d_mm / point.w_mm } else { 0.0 };
+    Section {
+        u: 0.0,
+        at: pixel.into(),
+        normal: normal.into(),
+        w_px,
+        d_px: ratio * w_px,
+        epsilon,
+        kappa,
+        tilt_rad: None,
+        deviation: None,
+        residual: None,
+        state: if point.d_mm > 0.0 { SectionState::Measured } else { SectionState::Flat },
+    }
+}
+
+/// A uniform cubic B-spline through points that lie about evenly: each control is its point, moved by a sixth of the second
+/// difference against the bend, which is exact for cubics; one more at either end.
+fn curve(line: &[Seen]) -> Curve2d {
+    let at = |i: isize| {
+        let last = line.len() as isize - 1;
+        let inside = |i: isize| line[i as usize].pixel;
+        match i {
+            _ if i < 0 => inside(0) * 2.0 - inside((-i).min(last)),
+            _ if i > last => inside(last) * 2.0 - inside((2 * last - i).max(0)),
+            _ => inside(i),
+        }
+    };
+    let control = |i: isize| (at(i) * 8.0 - at(i - 1) - at(i + 1)) / 6.0;
+    let controls = (-1..=line.len() as isize).map(|i| control(i).into()).collect();
+    Curve2d { controls, state: CurveState::Seen, confidence: 1.0, paint: Vec::new() }
+}
+
+impl ImageTruth {
+    fn mirror(&mut self, last: f64) {
+        for sample in self.tracks.iter_mut().flatten() {
+            sample.at.x = last - sample.at.x;
+        }
+        for control in self.curves.values_mut().flat_map(|curve| &mut curve.controls) {
+            control[0] = last - control[0];
+        }
+        for section in self.sections.values_mut().flatten() {
+            section.at[0] = last - section.at[0];
+            section.normal[0] = -section.normal[0];
+        }
+    }
+}
