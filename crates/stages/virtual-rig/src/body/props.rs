@@ -32,12 +32,7 @@ pub(super) fn of(person: &Person) -> Vec<Prop> {
 }
 
 /// A grid over the unit square, wrapped around in u when `is_closed`; `at` gives the point and the reflectance.
-fn sheet(
-    columns: u32,
-    rows: u32,
-    is_closed: bool,
-    at: impl Fn(f64, f64) -> (Point3<f64>, [f32; 3]),
-) -> Prop {
+fn sheet(columns: u32, rows: u32, is_closed: bool, at: impl Fn(f64, f64) -> (Point3<f64>, [f32; 3])) -> Prop {
     let width = if is_closed { columns } else { columns + 1 };
     let places = (0..=rows).flat_map(|j| (0..width).map(move |i| (i, j)));
     let (positions, albedo) =
@@ -141,7 +136,8 @@ fn hood_point(person: &Person, u: f64, v: f64) -> Point3<f64> {
     let rings: Vec<[f64; 3]> =
         std::iter::once([start.x, start.y, start.z]).chain(RINGS.iter().map(ring)).collect();
     let along: [f64; 3] = std::array::from_fn(|axis| {
-        let knots: Vec<(f64, f64)> = rings.iter().enumerate().map(|(k, ring)| (k as f64, ring[axis])).collect();
+        let knots: Vec<(f64, f64)> =
+            rings.iter().enumerate().map(|(k, ring)| (k as f64, ring[axis])).collect();
         curve(&knots, v * RINGS.len() as f64)
     });
     Point3::from(along)

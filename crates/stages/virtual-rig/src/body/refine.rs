@@ -174,8 +174,11 @@ impl Refinement {
                 let at = (turn + i) % 3;
                 [self.triangles[triangle][at], self.corner_uvs[triangle][at]]
             };
-            let outer =
-                parts.split([0, 1, 2].map(corner), [0, 1, 2].map(|i| middles[side(i)]), self.origins[triangle]);
+            let outer = parts.split(
+                [0, 1, 2].map(corner),
+                [0, 1, 2].map(|i| middles[side(i)]),
+                self.origins[triangle],
+            );
             (0..3).for_each(|i| halves[side(i)] = outer[i]);
         }
         for (side, [first, second]) in halves.iter().enumerate() {
@@ -284,4 +287,130 @@ fn twins(triangles: &[[u32; 3]]) -> Vec<u32> {
         }
     }
     twins
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mesh::{Connectivity, LabelKind};
+    use nalgebra::Vector2;
+
+    /// A bumpy grid of two groups; its texture has a seam between them.
+    fn grid(size: u32) -> Mesh {
+        let place = |k: u32| {
+            let (x, y) = (f64::from(k % (size + 1)), f64::from(k / (size + 1)));
+            Point3::new(x + 0.3 * (3.1 * y).sin(), y + 0.3 * (2.3 * x).cos(), 0.0)
+        };
+        let count = (size + 1) * (size + 1);
+        let mut mesh = Mesh { positions: (0..count).map(place).collect(), ..Mesh::default() };
+        mesh.uvs = [0.0, 10.0]
+            .iter()
+            .flat_map(|shift| mesh.positions.iter().map(move |p| Vector2::new(p.x + shift, p.y)))
+            .collect();
+        let mut half = 0;
+        for (j, i) in (0..size).flat_map(|j| (0..size).map(move |i| (j, i))) {
+            half = if 2 * j < size { 0 } else { count };
+            let at = j * (size + 1) + i;
+            for triangle in [[at, at + 1, at + size + 2], [at, at + size + 2, at + size + 1]] {
+                mesh.polygons.push(&triangle);
+                mesh.corner_uvs.extend(triangle.map(|vertex| vertex + half));
+            }
+        }
+        assert_eq!(half, count);
+        let label = |first_face: u32, name: &str| Label {
+            first_face: first_face as usize,
+            kind: LabelKind::Group,
+            name: name.to_string(),
+        };
+        mesh.labels = vec![label(0, "low"), label(2 * size * (size / 2), "high")];
+        mesh
+    }
+
+    /// Spacing 0.6 on the left, 0.05 on the right.
+    fn refined(start: &Mesh) -> Mesh {
+        let mut refinement = Refinement::of(start);
+        let mut positions = start.positions.clone();
+        loop {
+            let wanted: Vec<f64> = positions.iter().map(|p| (0.6 - 0.1 * p.x).clamp(0.05, 0.6)).collect();
+            let first = refinement.parents().len();
+            if refinement.split_longer(&positions, &wanted) == 0 {
+                break;
+            }
+            for &[a, b] in &refinement.parents()[first..] {
+                positions.push(nalgebra::center(&positions[a as usize], &positions[b as usize]));
+            }
+        }
+        refinement.mesh(start, positions)
+    }
+
+    fn smallest_angle(mesh: &Mesh) -> f64 {
+        let angles = mesh.triangles().into_iter().flat_map(|triangle| {
+            let p = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            [0, 1, 2].map(|i| (p[(i + 1) % 3] - p[i]).angle(&(p[(i + 2) % 3] - p[i])))
+        });
+        angles.fold(f64::INFINITY, f64::min)
+    }
+
+    fn area(mesh: &Mesh, faces: std::ops::Range<usize>) -> f64 {
+        mesh::triangle_areas(&mesh.positions, &mesh.triangles()[faces]).iter().sum()
+    }
+
+    #[test]
+    fn edges_become_short_and_angles_stay_wide() {
+        let start = grid(8);
+        let fine = refined(&start);
+        for triangle in fine.triangles() {
+            for i in 0..3 {
+                let [a, b] = [i, (i + 1) % 3].map(|k| fine.positions[triangle[k] as usize]);
+                let wanted = |p: Point3<f64>| (0.6 - 0.1 * p.x).clamp(0.05, 0.6);
+                assert!((a - b).norm() <= 0.5 * (wanted(a) + wanted(b)) + 1e-12);
+            }
+        }
+        assert!(fine.positions.len() > 3_000);
+        let (before, after) = (smallest_angle(&start), smallest_angle(&fine));
+        assert!(after >= 0.5 * before - 1e-9, "{after} from {before}");
+    }
+
+    #[test]
+    fn the_surface_stays_whole() {
+        let start = grid(8);
+        let fine = refined(&start);
+        let around = Connectivity::of(fine.positions.len(), &fine.triangles());
+        assert!(around.non_manifold_edges().is_empty() && around.flipped_edges().is_empty());
+        assert!(around.bow_ties().is_empty() && around.unreferenced().is_empty());
+        // A vertex inside a neighbour's edge would be a hole without width.
+        let loops = around.boundary_loops();
+        assert_eq!(loops.len(), 1);
+        let old = Connectivity::of(start.positions.len(), &start.triangles()).boundary_loops();
+        let length = mesh::loop_length(&fine.positions, &loops[0]);
+        assert!((length - mesh::loop_length(&start.positions, &old[0])).abs() < 1e-9);
+        assert_eq!(fine.positions[..start.positions.len()], start.positions[..]);
+    }
+
+    #[test]
+    fn groups_and_texture_seams_stay_where_they_were() {
+        let start = grid(8);
+        let fine = refined(&start);
+        let (cut, fine_cut) = (start.labels[1].first_face, fine.labels[1].first_face);
+        assert_eq!((&*fine.labels[0].name, &*fine.labels[1].name), ("low", "high"));
+        assert!((area(&start, 0..cut) - area(&fine, 0..fine_cut)).abs() < 1e-9);
+        for (face, triangle) in fine.triangles().iter().enumerate() {
+            let shift = if face < fine_cut { 0.0 } else { 10.0 };
+            for (i, vertex) in triangle.iter().enumerate() {
+                let uv = fine.uvs[fine.corner_uvs[3 * face + i] as usize];
+                let p = fine.positions[*vertex as usize];
+                assert!((uv - Vector2::new(p.x + shift, p.y)).norm() < 1e-9, "face {face}");
+            }
+        }
+        // A coordinate per vertex, and one more per vertex on the seam.
+        assert!(fine.uvs.len() < start.uvs.len() + (fine.positions.len() - start.positions.len()) + 300);
+    }
+
+    #[test]
+    fn short_edges_change_nothing() {
+        let start = grid(4);
+        let mut refinement = Refinement::of(&start);
+        assert_eq!(refinement.split_longer(&start.positions, &[10.0; 25]), 0);
+        assert!(refinement.mesh(&start, start.positions.clone()) == start);
+    }
 }

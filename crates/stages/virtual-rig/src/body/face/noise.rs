@@ -29,8 +29,9 @@ mod tests {
 
     #[test]
     fn is_bounded_without_mean_and_continuous() {
-        let values: Vec<f64> =
-            (0..10_000).map(|i| noise(3, f64::from(i % 100) * 0.37, f64::from(i / 100) * 0.41 - 20.0)).collect();
+        let values: Vec<f64> = (0..10_000)
+            .map(|i| noise(3, f64::from(i % 100) * 0.37, f64::from(i / 100) * 0.41 - 20.0))
+            .collect();
         assert!(values.iter().all(|value| value.abs() <= 1.0));
         assert!(values.iter().sum::<f64>().abs() / 1e4 < 0.05);
         for i in 0..1000 {

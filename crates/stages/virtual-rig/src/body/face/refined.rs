@@ -20,7 +20,12 @@ const BISECTED: f64 = 1.45;
 impl Face {
     /// The face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), evenly spaced but for
     /// eyes, mouth and the surroundings of `lines` (domain, mm).
-    pub(in crate::body) fn refined(seed: u64, vertex_count: usize, lines: &[Vec<Point2<f64>>], reach: f64) -> Self {
+    pub(in crate::body) fn refined(
+        seed: u64,
+        vertex_count: usize,
+        lines: &[Vec<Point2<f64>>],
+        reach: f64,
+    ) -> Self {
         let wanted = vertex_count.clamp(500, 1_500_000);
         if lines.is_empty() && wanted <= SAMPLED {
             return Self::new(seed, wanted);

@@ -80,7 +80,8 @@ fn lip_share(person: &Person, s: f64, t: f64) -> f64 {
 fn brow(person: &Person, s: f64, t: f64) -> f64 {
     let x = s.abs();
     let along = (x - 12.0) / 39.0;
-    let line = 53.5 + person.brow_height + 5.0 * bump((x - 36.0) / 12.0) - 4.0 * smooth_step((x - 40.0) / 14.0);
+    let line =
+        53.5 + person.brow_height + 5.0 * bump((x - 36.0) / 12.0) - 4.0 * smooth_step((x - 40.0) / 14.0);
     let half = 5.2 - 3.0 * smooth_step(along);
     let across = (t - line) / half;
     let rise = 0.9 - 0.8 * along;

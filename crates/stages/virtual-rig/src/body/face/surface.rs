@@ -104,8 +104,13 @@ pub(crate) fn jaw_line(person: &Person, s: f64) -> f64 {
     -71.0 - person.chin_drop * bump(s / 25.0) + 44.0 * (s / 88.0).powi(2)
 }
 
+/// |s|, rounded in the middle, so that no crease runs down the face.
+fn folded(s: f64, round: f64) -> f64 {
+    s.hypot(round)
+}
+
 fn bones(person: &Person, s: f64, t: f64) -> f64 {
-    let side = s.abs();
+    let side = folded(s, 6.0);
     let brow_line = 54.0 + person.brow_height + 5.0 * bump((side - 30.0) / 14.0);
     let brow_reach = smooth_step((side + 4.0) / 18.0) * smooth_step((60.0 - side) / 28.0);
     let chin_top = -60.0 - person.chin_drop;
@@ -123,7 +128,7 @@ fn bones(person: &Person, s: f64, t: f64) -> f64 {
 }
 
 fn nose(person: &Person, s: f64, t: f64) -> f64 {
-    let side = s.abs();
+    let side = folded(s, 2.0);
     let width = curve(&NOSE_WIDTH, t) * (1.0 + (person.nose_width - 1.0) * smooth_step((40.0 - t) / 40.0));
     // The columella hangs lower than the wings.
     let hung = t + 3.0 * bump(side / 6.0) - 1.2;
@@ -139,7 +144,7 @@ fn nose(person: &Person, s: f64, t: f64) -> f64 {
 
 fn mouth(person: &Person, s: f64, t: f64) -> f64 {
     let half = person.mouth_half_width;
-    let taper = (-(s.abs() / (0.86 * half)).powi(4)).exp();
+    let taper = (-(s.abs() / (0.84 * half)).powi(3)).exp();
     let inner = (-(s.abs() / (1.02 * half)).powi(6)).exp();
     let above = t - outline::mouth_line(s);
     let (lower_edge, bow) = outline::lip_edges(person, s);
@@ -151,7 +156,7 @@ fn mouth(person: &Person, s: f64, t: f64) -> f64 {
     person.lip_fullness * taper * (4.0 * upper + 5.0 * lower)
         - 2.2 * inner * bump(above / 1.5)
         - 0.9 * philtrum * bump((t + 15.0) / 4.5)
-        - 2.4 * hill((s.abs() - half - 2.5) / 4.0, above / 4.5)
+        - 1.7 * hill((s.abs() - half - 2.5) / 4.0, above / 4.5)
 }
 
 /// |s| of the nasolabial line at t.
@@ -169,10 +174,12 @@ fn folds(s: f64, t: f64) -> f64 {
 /// The sockets, and the eyeballs that push through them.
 fn eyes(person: &Person, skin: Vector3<f64>, s: f64, t: f64) -> Vector3<f64> {
     let eye = outline::eye_center(person, s.signum());
-    let (ds, dt) = (s - eye.x, t - eye.y);
-    let socket = -8.0 * hill(ds / 14.5, (dt - 1.0) / 8.5)
-        - 4.5 * hill((s.abs() - 16.0) / 5.0, (dt + 1.0) / 7.0)
-        - 1.2 * hill((ds - s.signum() * 2.0) / 14.0, (dt + 13.0) / 3.5);
+    let dt = t - eye.y;
+    let side = folded(s, 6.0);
+    let out = side - eye.x.abs();
+    let socket = -8.0 * hill(out / 14.5, (dt - 1.0) / 8.5)
+        - 4.5 * hill((side - 16.0) / 5.0, (dt + 1.0) / 7.0)
+        - 1.2 * hill((out - 2.0) / 14.0, (dt + 13.0) / 3.5);
     let sunk = skin.z + socket;
     let ball = unscaled_eyeball(person, s.signum());
     let off = (skin.x - ball.x).powi(2) + (skin.y - ball.y).powi(2);
