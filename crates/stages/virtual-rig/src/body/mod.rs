@@ -1,6 +1,6 @@
 //! Whose face: its rest surface, and how it moves without wrinkles.
 
-mod face;
+pub mod face;
 
 pub mod expressions;
 pub mod place;
