@@ -1,6 +1,6 @@
 //! Curves through samples that overshoot nowhere.
 
-/// A curve through samples, monotone wherever they are [FritschCarlson1980]: one continuous derivative, and never
+/// A curve through samples, monotone wherever they are [FritschButland1984]: one continuous derivative, and never
 /// beyond the two samples that it runs between. Before the first and after the last sample it stays.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cubic {
@@ -20,7 +20,7 @@ impl Cubic {
                 0 => 0.0,
                 i if i == secants.len() => 0.0,
                 i if secants[i - 1] * secants[i] <= 0.0 => 0.0,
-                // Fritsch and Butland's harmonic mean: monotone for any spacing.
+                // A weighted harmonic mean: monotone for any spacing.
                 i => {
                     let (before, after) = (times[i] - times[i - 1], times[i + 1] - times[i]);
                     let (w1, w2) = (2.0 * after + before, after + 2.0 * before);

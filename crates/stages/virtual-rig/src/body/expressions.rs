@@ -130,3 +130,68 @@ fn check(neutral: &Mesh, shape: &Shape) -> Result<(), ExpressionError> {
         _ => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::place::test_head;
+    use artifact::Unit;
+
+    fn raised(neutral: &Mesh) -> Shape {
+        let raise =
+            |point: &nalgebra::Point3<f64>| point + Vector3::new(0.0, 5.0 * (point.y / 40.0).tanh(), 0.0);
+        let mesh = neutral.with_positions(neutral.positions.iter().map(raise).collect());
+        Shape { name: "raise".into(), file: "raise.obj".into(), mesh }
+    }
+
+    fn error(change: impl Fn(&mut Shape)) -> String {
+        let (neutral, landmarks) = test_head(false);
+        let notes = Notes { unit: Unit::Mm, landmarks: &landmarks, texture: None, levels: 0 };
+        let mut shape = raised(&neutral);
+        change(&mut shape);
+        expressions(&neutral, &[shape], &notes).expect_err("refused").to_string()
+    }
+
+    /// Refining is linear: the refined expression is the refined neutral face and its refined offsets.
+    #[test]
+    fn offsets_lead_to_the_refined_expression() {
+        let (neutral, landmarks) = test_head(true);
+        let notes = Notes { unit: Unit::Mm, landmarks: &landmarks, texture: None, levels: 2 };
+        let shape = raised(&neutral);
+        let set = expressions(&neutral, std::slice::from_ref(&shape), &notes).expect("a set");
+        let refined = crate::body::subdivide::Refined::of(&shape.mesh, 2).mesh;
+        for (i, point) in refined.positions.iter().enumerate() {
+            assert!((set.scan.mesh.positions[i] + set.offsets[0][i] - point).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn another_topology_is_named() {
+        let said = error(|shape| shape.mesh.positions.push(nalgebra::Point3::origin()));
+        assert!(
+            said.starts_with("raise.obj: ") && said.ends_with("an expression set has one topology"),
+            "{said}"
+        );
+        let said = error(|shape| {
+            let faces: Vec<Vec<u32>> = shape.mesh.polygons.iter().map(<[u32]>::to_vec).collect();
+            shape.mesh.polygons = mesh::Polygons::default();
+            for (i, face) in faces.iter().enumerate() {
+                let turned = [face[1], face[0], face[2], face[3]];
+                shape.mesh.polygons.push(if i == 17 { &turned } else { face });
+            }
+        });
+        assert!(said.starts_with("raise.obj: face 17 joins other vertices"), "{said}");
+    }
+
+    #[test]
+    fn a_head_elsewhere_is_named() {
+        let said = error(|shape| shape.mesh.scale(0.1));
+        assert!(said.starts_with("raise.obj: vertex "), "{said}");
+        let (neutral, landmarks) = test_head(false);
+        let notes = Notes { unit: Unit::Mm, landmarks: &landmarks, texture: None, levels: 0 };
+        let twice = [raised(&neutral), raised(&neutral)];
+        let said = expressions(&neutral, &twice, &notes).expect_err("twice").to_string();
+        assert_eq!(said, "raise.obj: there are two expressions called raise");
+        assert_eq!(expressions(&neutral, &[], &notes).expect_err("none"), ExpressionError::Empty);
+    }
+}

@@ -1,5 +1,6 @@
 //! Whose face: its rest surface, and how it moves without wrinkles.
 
+mod base;
 pub mod expressions;
 pub mod face;
 mod motion;
@@ -11,6 +12,7 @@ pub mod scan;
 pub mod subdivide;
 pub mod texture;
 
+pub use base::Base;
 pub use face::MarkerPlace;
 pub use muscles::MUSCLES;
 pub use props::Prop;

@@ -109,7 +109,7 @@ pub(super) fn prepare(mesh: &Mesh, notes: &Notes) -> Result<(Scan, Refined), Sca
 
 fn check_count(mesh: &Mesh, levels: usize) -> Result<(), ScanError> {
     let from = mesh.positions.len();
-    // Euler: a triangle mesh of n vertices has about 3n edges.
+    // By Euler, n vertices of triangles have about 3n edges, each of which becomes a vertex.
     let count = from.saturating_mul(4usize.saturating_pow(u32::try_from(levels).unwrap_or(u32::MAX)));
     match count > MOST_VERTICES {
         true => Err(ScanError::TooMany { levels, from, count }),
@@ -161,4 +161,61 @@ fn has_slit(mesh: &Mesh, domain: &[Point2<f64>]) -> bool {
         let reach = |sign: f64| places.clone().map(|at| sign * at.x).fold(f64::NEG_INFINITY, f64::max);
         places.clone().all(|at| near(&at)) && reach(1.0).min(reach(-1.0)) > 0.5 * MOUTH_HALF_WIDTH
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::place::test_head;
+
+    fn act_ready(open_mouth: bool, levels: usize) -> (Mesh, Scan) {
+        let (head, landmarks) = test_head(open_mouth);
+        let notes = Notes { unit: Unit::Mm, landmarks: &landmarks, texture: None, levels };
+        let scan = scan(&head, &notes).expect("a scan");
+        (head, scan)
+    }
+
+    #[test]
+    fn lips_that_touch_lie_on_their_own_sides() {
+        for levels in [0, 1, 2] {
+            let (head, scan) = act_ready(true, levels);
+            assert!(scan.mouth_is_open);
+            let doubled = head.positions.len() - 11;
+            for lower in doubled..head.positions.len() {
+                let is_twin = |other: &usize| head.positions[*other] == head.positions[lower];
+                let upper = (0..doubled).find(is_twin).expect("its twin");
+                assert!(above_mouth(scan.domain[upper]) > 0.0 && above_mouth(scan.domain[lower]) < 0.0);
+                assert!((scan.domain[upper] - scan.domain[lower]).norm() < 3.0);
+            }
+        }
+    }
+
+    /// The lower lip hangs together with what is below it only.
+    #[test]
+    fn no_edge_crosses_an_open_mouth() {
+        let (_, scan) = act_ready(true, 2);
+        let around = Connectivity::of(scan.mesh.positions.len(), &scan.mesh.triangles());
+        for edge in around.edges() {
+            let [a, b] = edge.vertices.map(|vertex| scan.domain[vertex as usize]);
+            if a.x.abs().max(b.x.abs()) < 19.0 {
+                assert!(above_mouth(a) * above_mouth(b) > 0.0, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_closed_mouth_is_closed() {
+        assert!(!act_ready(false, 1).1.mouth_is_open);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let (head, landmarks) = test_head(false);
+        let notes = Notes { unit: Unit::Mm, landmarks: &landmarks, texture: None, levels: 9 };
+        let said = scan(&head, &notes).expect_err("too many").to_string();
+        assert!(said.starts_with("9 levels of subdivision make about "), "{said}");
+        let grey = Texture::from_srgb(1, 1, &[9; 3]).expect("a pixel");
+        let notes = Notes { texture: Some(&grey), levels: 0, ..notes };
+        assert_eq!(scan(&head, &notes).expect_err("no coordinates"), ScanError::NoTextureCoordinates);
+    }
 }

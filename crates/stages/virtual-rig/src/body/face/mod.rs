@@ -6,6 +6,7 @@ pub(super) mod outline;
 mod person;
 pub(super) mod profile;
 mod refined;
+pub(super) use refined::{BISECTED, Near};
 mod sampling;
 pub(super) mod skin;
 pub(super) mod surface;

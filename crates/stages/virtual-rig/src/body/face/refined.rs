@@ -15,7 +15,7 @@ const SAMPLED_SHARE: f64 = 0.4;
 const TOLERANCE: f64 = 0.05;
 const MAX_TRIALS: usize = 8;
 /// Spacing at which bisection puts one vertex on a unit of area; measured.
-const BISECTED: f64 = 1.45;
+pub(in crate::body) const BISECTED: f64 = 1.45;
 
 impl Face {
     /// The face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), evenly spaced but for
@@ -82,15 +82,16 @@ impl Growth {
 }
 
 /// Lines around which the mesh shall be finer.
-struct Near<'a> {
-    lines: &'a [Vec<Point2<f64>>],
+pub(in crate::body) struct Near<'a> {
+    /// Domain, mm.
+    pub(in crate::body) lines: &'a [Vec<Point2<f64>>],
     /// mm.
-    reach: f64,
+    pub(in crate::body) reach: f64,
 }
 
 impl Near<'_> {
     /// Wanted spacing relative to the one far from all lines: constant within half the reach, rising to its end.
-    fn factor(&self, at: Point2<f64>) -> f64 {
+    pub(in crate::body) fn factor(&self, at: Point2<f64>) -> f64 {
         let distance = self.lines.iter().map(|line| self.distance(line, at)).fold(f64::INFINITY, f64::min);
         let share = (2.0 * distance / self.reach - 1.0).clamp(0.0, 1.0);
         (1.0 + (FINER - 1.0) * share) / FINER

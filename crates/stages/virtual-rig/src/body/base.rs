@@ -1,0 +1,83 @@
+//! A face that is given: a scan, or an expression set.
+
+use crate::body::Body;
+use crate::body::expressions::ExpressionSet;
+use crate::body::face::{BISECTED, Near};
+use crate::body::refine::Refinement;
+use crate::body::scan::Scan;
+use mesh::{Mesh, triangle_areas};
+use nalgebra::{Point2, Vector3};
+
+/// A face that is given.
+pub enum Base {
+    /// A scan, moved by the muscles of the average face.
+    Scan(Scan),
+    /// An expression set, moved by its own shapes.
+    Expressions(ExpressionSet),
+}
+
+impl Base {
+    /// The face with about `vertex_count` vertices, finer within `near_mm` of the polylines `near` (domain, mm). What has more
+    /// vertices already keeps them all.
+    #[must_use]
+    pub fn body(self, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Body {
+        match self {
+            Self::Scan(Scan { mesh, domain, albedo, face_from_canonical, .. }) => {
+                let finer = Finer::of(Points { mesh, domain, albedo, offsets: Vec::new() }, vertex_count, near, near_mm);
+                let Points { mesh, domain, albedo, .. } = finer;
+                Body::from_muscles(mesh, domain, albedo, face_from_canonical)
+            }
+            Self::Expressions(ExpressionSet { scan, names, offsets }) => {
+                let Scan { mesh, domain, albedo, .. } = scan;
+                let Points { mesh, domain, albedo, offsets } =
+                    Finer::of(Points { mesh, domain, albedo, offsets }, vertex_count, near, near_mm);
+                Body::from_shapes(mesh, domain, albedo, names, offsets)
+            }
+        }
+    }
+}
+
+/// What is known at the vertices of a mesh.
+struct Points {
+    mesh: Mesh,
+    domain: Vec<Point2<f64>>,
+    albedo: Vec<[f32; 3]>,
+    offsets: Vec<Vec<Vector3<f64>>>,
+}
+
+/// Bisection of edges; what is known at their ends is averaged.
+struct Finer;
+
+impl Finer {
+    fn of(start: Points, vertex_count: usize, lines: &[Vec<Point2<f64>>], reach: f64) -> Points {
+        let near = Near { lines, reach };
+        let triangles = start.mesh.triangles();
+        let areas = triangle_areas(&start.mesh.positions, &triangles);
+        let demand: f64 = areas
+            .iter()
+            .zip(&triangles)
+            .map(|(area, corners)| area * near.factor(start.domain[corners[0] as usize]).powi(-2))
+            .sum();
+        let spacing = BISECTED * (demand / vertex_count.max(1) as f64).sqrt();
+        let Points { mesh, mut domain, mut albedo, mut offsets } = start;
+        let mut refinement = Refinement::of(&mesh);
+        let mut positions = mesh.positions.clone();
+        loop {
+            let spacings: Vec<f64> = domain.iter().map(|at| spacing * near.factor(*at)).collect();
+            let first = positions.len();
+            if refinement.split_longer(&positions, &spacings) == 0 {
+                break;
+            }
+            for &[a, b] in &refinement.parents()[first - mesh.positions.len()..] {
+                let (a, b) = (a as usize, b as usize);
+                positions.push(nalgebra::center(&positions[a], &positions[b]));
+                domain.push(nalgebra::center(&domain[a], &domain[b]));
+                albedo.push(std::array::from_fn(|channel| 0.5 * (albedo[a][channel] + albedo[b][channel])));
+                for field in &mut offsets {
+                    field.push(0.5 * (field[a] + field[b]));
+                }
+            }
+        }
+        Points { mesh: refinement.mesh(&mesh, positions), domain, albedo, offsets }
+    }
+}
