@@ -68,10 +68,13 @@ fn with<const BLOCKS: usize>(
     let palette = Palette::of(scene, camera, film);
     let parts: Vec<Part> = (0..tiling.count())
         .into_par_iter()
-        .map_init(Tile::<BLOCKS>::new, |tile, number| {
-            tile.draw(number, tiling.pixels(number), &chunks, &bins, corners);
-            Part::shade(tile, &palette, &tiling, number)
-        })
+        .map_init(
+            || Tile::<BLOCKS>::new(scene.moves()),
+            |tile, number| {
+                tile.draw(number, tiling.pixels(number), &chunks, &bins, corners);
+                Part::shade(tile, &palette, &tiling, number)
+            },
+        )
         .collect();
     Exposure::assemble(camera.image_size, &tiling, &parts)
 }

@@ -2,7 +2,7 @@
 
 use super::lanes::LANES;
 use super::params::{Film, Gloss};
-use super::pattern::{CENTRAL_TIME, Pattern};
+use super::pattern::Pattern;
 use super::scene::{Scene, Solid};
 use super::tile::{Facet, NOTHING, Tile};
 use crate::paint::{Layers, Spot};
@@ -87,7 +87,8 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
         self.covers.clear();
         let seen = &self.tile.seen[pixel];
         let nearness = &self.tile.nearness[pixel];
-        let nearest = nearness[..4].iter().fold(0.0f32, |nearest, block| nearest.max(block[CENTRAL_TIME]));
+        let central = self.tile.pattern().central;
+        let nearest = (0..LANES).fold(0.0f32, |nearest, time| nearest.max(nearness[central[time]][time]));
         let mut sum = [0.0; 3];
         let mut left = u64::MAX >> (64 - Self::SAMPLES);
         while left != 0 {
@@ -173,11 +174,10 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
             add(&mut light, self.palette.radiance[vertex as usize], weight);
             irradiance += weight * self.palette.irradiance[vertex as usize];
         }
-        let footprint_px = 1.0 / (Self::SAMPLES as f64).sqrt();
+        let ramp_px = self.tile.pattern().ramp_px;
         let first = self.covers.len();
         for touch in self.palette.layers.touching(facet.of_face) {
-            let share =
-                self.palette.layers.share(touch.layer, &weights.spot(&touch.corners), footprint_px) as f32;
+            let share = self.palette.layers.share(touch.layer, &weights.spot(&touch.corners), ramp_px) as f32;
             if share == 0.0 {
                 continue;
             }
