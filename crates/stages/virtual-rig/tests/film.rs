@@ -154,7 +154,9 @@ fn paint_in(exposure: &Exposure, layer: u32) -> (Vector2<f64>, f64) {
     for cover in exposure.covers.iter().filter(|cover| cover.layer == layer) {
         let share = f64::from(cover.share);
         area += share;
-        moment += share * Vector2::new(f64::from(cover.pixel % width), f64::from(cover.pixel / width));
+        let pixel = [cover.pixel % width, cover.pixel / width];
+        let place = [0, 1].map(|axis| f64::from(pixel[axis]) + f64::from(cover.offset_px[axis]));
+        moment += share * Vector2::from(place);
     }
     (moment / area, area)
 }
