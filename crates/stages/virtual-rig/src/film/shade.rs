@@ -1,8 +1,9 @@
 //! The light that the samples of a pixel receive.
 
+use super::exposure::Cover;
 use super::lanes::LANES;
 use super::params::{Film, Gloss};
-use super::pattern::{CENTRAL_TIME, Pattern};
+use super::pattern::Pattern;
 use super::scene::{Scene, Solid};
 use super::tile::{Facet, NOTHING, Tile};
 use crate::paint::{Layers, Spot};
@@ -65,29 +66,38 @@ pub(super) struct Light {
     pub(super) depth_mm: f32,
 }
 
+/// A layer's share of a sample, and the sample's place in the pixel.
+#[derive(Debug, Clone, Copy)]
+struct Dab {
+    layer: u32,
+    share: f32,
+    place: [f32; 2],
+}
+
 /// Shades the pixels of one tile.
 pub(super) struct Shader<'a, const BLOCKS: usize> {
     palette: &'a Palette<'a>,
     tile: &'a Tile<BLOCKS>,
-    /// Layer and share per sample of the pixel.
-    covers: Vec<(u32, f32)>,
-    /// The pixel's share per layer, while they are added up; zero in between.
-    shares: Vec<f32>,
+    /// Paint in the samples of the pixel.
+    dabs: Vec<Dab>,
+    /// Per layer: sum of the shares, and of shares times places, while they are added up; zero in between.
+    sums: Vec<[f32; 3]>,
 }
 
 impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
     const SAMPLES: usize = LANES * BLOCKS;
 
     pub(super) fn new(palette: &'a Palette<'a>, tile: &'a Tile<BLOCKS>) -> Self {
-        Self { palette, tile, covers: Vec::new(), shares: vec![0.0; palette.layers.len()] }
+        Self { palette, tile, dabs: Vec::new(), sums: vec![[0.0; 3]; palette.layers.len()] }
     }
 
     /// The light of a pixel; `position` is its centre, px from the tile's middle.
     pub(super) fn pixel(&mut self, pixel: usize, position: [f32; 2]) -> Light {
-        self.covers.clear();
+        self.dabs.clear();
         let seen = &self.tile.seen[pixel];
         let nearness = &self.tile.nearness[pixel];
-        let nearest = nearness[..4].iter().fold(0.0f32, |nearest, block| nearest.max(block[CENTRAL_TIME]));
+        let central = self.tile.pattern().central;
+        let nearest = (0..LANES).fold(0.0f32, |nearest, time| nearest.max(nearness[central[time]][time]));
         let mut sum = [0.0; 3];
         let mut left = u64::MAX >> (64 - Self::SAMPLES);
         while left != 0 {
@@ -105,16 +115,19 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
         Light { radiance: sum.map(|x| x * share), depth_mm: 1.0 / nearest }
     }
 
-    /// Tells the layers on the pixel last shaded and their shares of it, lowest first.
-    pub(super) fn drain_covers(&mut self, mut tell: impl FnMut(u32, f32)) {
-        for &(layer, share) in &self.covers {
-            self.shares[layer as usize] += share;
+    /// The layers on the pixel last shaded, lowest first; `pixel` is its number in the image.
+    pub(super) fn covers(&mut self, pixel: u32, covers: &mut Vec<Cover>) {
+        for dab in &self.dabs {
+            add(&mut self.sums[dab.layer as usize], [1.0, dab.place[0], dab.place[1]], dab.share);
         }
-        self.covers.sort_unstable_by_key(|cover| cover.0);
-        self.covers.dedup_by_key(|cover| cover.0);
-        for (layer, _) in self.covers.drain(..) {
-            let share = std::mem::take(&mut self.shares[layer as usize]);
-            tell(layer, share / Self::SAMPLES as f32);
+        self.dabs.sort_unstable_by_key(|dab| dab.layer);
+        self.dabs.dedup_by_key(|dab| dab.layer);
+        for dab in self.dabs.drain(..) {
+            let [sum, x, y] = std::mem::take(&mut self.sums[dab.layer as usize]);
+            if sum > 0.0 {
+                let share = sum / Self::SAMPLES as f32;
+                covers.push(Cover { pixel, layer: dab.layer, share, offset_px: [x / sum, y / sum] });
+            }
         }
     }
 
@@ -158,33 +171,32 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
             left &= left - 1;
             let (block, t) = (sample / LANES, sample % LANES);
             let pattern = self.tile.pattern();
-            let weights =
-                Weights::of(facet, [position[0] + pattern.x[block][t], position[1] + pattern.y[block][t]], t);
-            let light = self.paint(facet, &weights);
+            let place = [pattern.x[block][t], pattern.y[block][t]];
+            let weights = Weights::of(facet, [position[0] + place[0], position[1] + place[1]], t);
+            let light = self.paint(facet, &weights, place);
             add(sum, light, if facet.front[t] { 1.0 } else { BACK });
         }
     }
 
     /// The light of one painted sample; notes the layers' shares.
-    fn paint(&mut self, facet: &Facet, weights: &Weights) -> [f32; 3] {
+    fn paint(&mut self, facet: &Facet, weights: &Weights, place: [f32; 2]) -> [f32; 3] {
         let mut light = [0.0; 3];
         let mut irradiance = 0.0;
         for (vertex, weight) in facet.vertices.into_iter().zip(weights.at) {
             add(&mut light, self.palette.radiance[vertex as usize], weight);
             irradiance += weight * self.palette.irradiance[vertex as usize];
         }
-        let footprint_px = 1.0 / (Self::SAMPLES as f64).sqrt();
-        let first = self.covers.len();
+        let ramp_px = self.tile.pattern().ramp_px;
+        let first = self.dabs.len();
         for touch in self.palette.layers.touching(facet.of_face) {
-            let share =
-                self.palette.layers.share(touch.layer, &weights.spot(&touch.corners), footprint_px) as f32;
+            let share = self.palette.layers.share(touch.layer, &weights.spot(&touch.corners), ramp_px) as f32;
             if share == 0.0 {
                 continue;
             }
             let paint = self.palette.layers.paint(touch.layer);
             light = std::array::from_fn(|c| light[c] + share * (paint[c] * irradiance - light[c]));
-            self.covers[first..].iter_mut().for_each(|below| below.1 *= 1.0 - share);
-            self.covers.push((touch.layer, share));
+            self.dabs[first..].iter_mut().for_each(|below| below.share *= 1.0 - share);
+            self.dabs.push(Dab { layer: touch.layer, share, place });
         }
         light
     }

@@ -53,9 +53,9 @@ pub(super) struct Tile<const BLOCKS: usize> {
 }
 
 impl<const BLOCKS: usize> Tile<BLOCKS> {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(moving: bool) -> Self {
         Self {
-            pattern: Pattern::new(),
+            pattern: Pattern::new(moving),
             nearness: vec![[[0.0; LANES]; BLOCKS]; TILE * TILE],
             seen: vec![[[NOTHING; LANES]; BLOCKS]; TILE * TILE],
             facets: Vec::new(),

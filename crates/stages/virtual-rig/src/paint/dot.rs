@@ -76,7 +76,11 @@ impl Outline {
         let [radius, slope] = self.radius_and_slope(direction);
         let turn = slope / distance;
         let gradient = [-direction[1] * turn - direction[0], direction[0] * turn - direction[1]];
-        Edge { inside_mm: radius - distance, slope_mm_per_px: spot.chain(gradient) }
+        Edge {
+            inside_mm: radius - distance,
+            slope_mm_per_px: spot.chain(gradient),
+            curvature_per_mm: radius.recip(),
+        }
     }
 }
 
@@ -145,9 +149,9 @@ impl Dot {
         flat.map(|x| x * stretch)
     }
 
-    /// The share of a sample's footprint that the dot covers.
-    pub(crate) fn share(&self, spot: &Spot, footprint_px: f64) -> f64 {
-        self.outline.edge(spot).share(Softness { footprint_px, smear_mm: 0.0 })
+    /// The share of a sample's footprint that the dot covers; `ramp_px` is the footprint's width.
+    pub(crate) fn share(&self, spot: &Spot, ramp_px: f64) -> f64 {
+        self.outline.edge(spot).share(Softness { ramp_px, smear_mm: 0.0 })
     }
 }
 

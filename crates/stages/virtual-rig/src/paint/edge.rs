@@ -5,26 +5,32 @@
 pub(super) struct Edge {
     pub(super) inside_mm: f64,
     pub(super) slope_mm_per_px: [f64; 2],
+    /// Of the edge, positive where the inside bulges out.
+    pub(super) curvature_per_mm: f64,
 }
 
 /// What one sample stands for, and how soft the paint's edge is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softness {
-    pub(super) footprint_px: f64,
+    pub(super) ramp_px: f64,
     pub(super) smear_mm: f64,
 }
 
 impl Edge {
-    /// The share of the footprint inside, 0 to 1: a ramp as wide as the footprint across the edge. Without it, samples
-    /// that are all in or all out would put a dot's centroid off by some hundredths of a pixel.
+    /// The share of a sample's footprint inside, 0 to 1: a ramp across the edge, as wide as the footprint. Without it,
+    /// samples that are all in or all out would put a dot's centroid off by some hundredths of a pixel.
+    ///
+    /// The middle of the ramp lies inside a curved edge by width² · curvature / 24: the ring that the ramp adds outside is
+    /// longer than the one that it takes away inside, and the area must stay.
     pub(super) fn share(self, softness: Softness) -> f64 {
         let [x, y] = self.slope_mm_per_px;
-        let footprint_mm = (x * x + y * y).sqrt() * softness.footprint_px;
-        let ramp_mm = footprint_mm.hypot(softness.smear_mm);
-        match ramp_mm > 0.0 {
-            true => (0.5 + self.inside_mm / ramp_mm).clamp(0.0, 1.0),
-            false => f64::from(u8::from(self.inside_mm >= 0.0)),
+        let squared =
+            (x * x + y * y) * softness.ramp_px * softness.ramp_px + softness.smear_mm * softness.smear_mm;
+        if squared == 0.0 {
+            return f64::from(u8::from(self.inside_mm >= 0.0));
         }
+        let inside_mm = self.inside_mm - squared * self.curvature_per_mm / 24.0;
+        (0.5 + inside_mm / squared.sqrt()).clamp(0.0, 1.0)
     }
 }
 
@@ -51,10 +57,10 @@ impl Spot {
 mod tests {
     use super::*;
 
-    const SHARP: Softness = Softness { footprint_px: 0.25, smear_mm: 0.0 };
+    const SHARP: Softness = Softness { ramp_px: 0.25, smear_mm: 0.0 };
 
     fn edge(inside_mm: f64) -> Edge {
-        Edge { inside_mm, slope_mm_per_px: [0.3, 0.4] }
+        Edge { inside_mm, slope_mm_per_px: [0.3, 0.4], curvature_per_mm: 0.0 }
     }
 
     #[test]

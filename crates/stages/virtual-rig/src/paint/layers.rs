@@ -125,11 +125,11 @@ impl Layers {
         &self.touches[from..to]
     }
 
-    /// The share of a sample's footprint that a layer covers.
-    pub(crate) fn share(&self, layer: u32, spot: &Spot, footprint_px: f64) -> f64 {
+    /// The share of a sample's footprint that a layer covers; `ramp_px` is the footprint's width.
+    pub(crate) fn share(&self, layer: u32, spot: &Spot, ramp_px: f64) -> f64 {
         match self.strokes.get(layer as usize) {
-            Some(stroke) => stroke.share(spot, footprint_px),
-            None => self.dots[layer as usize - self.strokes.len()].share(spot, footprint_px),
+            Some(stroke) => stroke.share(spot, ramp_px),
+            None => self.dots[layer as usize - self.strokes.len()].share(spot, ramp_px),
         }
     }
 }

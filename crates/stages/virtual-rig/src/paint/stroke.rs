@@ -68,21 +68,28 @@ pub struct Stroke {
 
 impl Stroke {
     /// The share of a sample's footprint that the stroke covers, times the paint's opacity.
-    pub(crate) fn share(&self, spot: &Spot, footprint_px: f64) -> f64 {
-        let softness = Softness { footprint_px, smear_mm: self.smear_mm };
+    pub(crate) fn share(&self, spot: &Spot, ramp_px: f64) -> f64 {
+        let softness = Softness { ramp_px, smear_mm: self.smear_mm };
         let [x, p] = spot.at;
         let side = |half: &HalfWidth, sign: f64| {
             let [width, slope] = half.value_and_slope(x);
-            Edge { inside_mm: width + sign * p, slope_mm_per_px: spot.chain([slope, sign]) }
+            Edge {
+                inside_mm: width + sign * p,
+                slope_mm_per_px: spot.chain([slope, sign]),
+                curvature_per_mm: 0.0,
+            }
         };
         let across = share_between(side(&self.left, 1.0), side(&self.right, -1.0), softness);
         if across == 0.0 {
             return 0.0;
         }
         let along = |[from, to]: [f64; 2]| {
-            let start = Edge { inside_mm: x - from, slope_mm_per_px: spot.chain([1.0, 0.0]) };
-            let end = Edge { inside_mm: to - x, slope_mm_per_px: spot.chain([-1.0, 0.0]) };
-            share_between(start, end, softness)
+            let end = |inside_mm: f64, sign: f64| Edge {
+                inside_mm,
+                slope_mm_per_px: spot.chain([sign, 0.0]),
+                curvature_per_mm: 0.0,
+            };
+            share_between(end(x - from, 1.0), end(to - x, -1.0), softness)
         };
         let gaps: f64 = self.missing.iter().map(|&gap| 1.0 - along(gap)).product();
         across * along(self.range) * gaps
