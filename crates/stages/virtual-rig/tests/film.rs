@@ -16,7 +16,7 @@ struct Thing {
     triangles: Vec<[u32; 3]>,
     normals: Vec<Vector3<f64>>,
     albedo: Vec<[f32; 3]>,
-    irradiance: Vec<f32>,
+    irradiance: Vec<[f32; 3]>,
 }
 
 impl Thing {
@@ -29,7 +29,7 @@ impl Thing {
             normals: mesh::vertex_normals(&mesh.positions, &triangles),
             triangles,
             albedo: vec![[1.0; 3]; count],
-            irradiance: vec![1.0; count],
+            irradiance: vec![[1.0; 3]; count],
         }
     }
 
@@ -449,7 +449,7 @@ fn the_mask_has_the_color_of_most_of_a_pixel() {
 #[test]
 fn light_falls_on_skin_and_paint_alike() {
     let mut grid = Thing::of(&shapes::grid(40, 1.0)).colored([0.5, 0.4, 0.3]);
-    grid.irradiance.iter_mut().zip(&grid.open).for_each(|(light, point)| *light = 0.02 * point.x as f32);
+    grid.irradiance.iter_mut().zip(&grid.open).for_each(|(light, point)| *light = [0.02 * point.x as f32; 3]);
     let layers = stroke_and_dot(&grid, vec![]);
     let exposure = shot(&above_the_grid(), &grid, &layers, &[]);
     for (x, y, color) in [(30.0, 20.0, GREEN), (10.0, 35.0, [0.5, 0.4, 0.3])] {

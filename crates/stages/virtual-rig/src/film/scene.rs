@@ -21,8 +21,8 @@ pub struct Moment<'a> {
     pub close: Option<&'a [Point3<f64>]>,
     /// #V × 3, unit normals; only gloss asks for them, and an empty list has none.
     pub normals: &'a [Vector3<f64>],
-    /// #V, light that arrives: 1 = full unshadowed ambient.
-    pub irradiance: &'a [f32],
+    /// #V × 3, light that arrives, linear RGB: 1 = full unshadowed ambient.
+    pub irradiance: &'a [[f32; 3]],
 }
 
 impl Moment<'_> {

@@ -18,7 +18,7 @@ const BACK: f32 = 0.03;
 pub(super) struct Palette<'a> {
     radiance: Vec<[f32; 3]>,
     /// Of the face's vertices: what paint on them reflects.
-    irradiance: &'a [f32],
+    irradiance: &'a [[f32; 3]],
     layers: &'a Layers,
     background: [f32; 3],
 }
@@ -30,7 +30,7 @@ impl<'a> Palette<'a> {
         for solid in scene.solids() {
             let lights = solid.moment.irradiance.par_iter().with_min_len(8192);
             radiance
-                .par_extend(lights.zip(solid.skin.albedo).map(|(light, albedo)| albedo.map(|x| x * light)));
+                .par_extend(lights.zip(solid.skin.albedo).map(|(light, albedo)| [0, 1, 2].map(|c| albedo[c] * light[c])));
         }
         if let Some(gloss) = &film.gloss {
             add_gloss(gloss, &scene.face, camera, &mut radiance);
@@ -52,8 +52,8 @@ fn add_gloss(gloss: &Gloss, face: &Solid<'_>, camera: &Camera, radiance: &mut [[
             let half_way = (view + *key).normalize();
             let lobe = (normal.dot(&half_way).max(0.0) as f32).powf(gloss.exponent);
             let rim = (1.0 - normal.dot(&view).clamp(0.0, 1.0) as f32).powi(5);
-            let shine = light * (gloss.strength * lobe + gloss.rim * rim);
-            *radiance = radiance.map(|x| x + shine);
+            let shine = gloss.strength * lobe + gloss.rim * rim;
+            add(radiance, *light, shine);
         },
     );
 }
@@ -181,10 +181,10 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
     /// The light of one painted sample; notes the layers' shares.
     fn paint(&mut self, facet: &Facet, weights: &Weights, place: [f32; 2]) -> [f32; 3] {
         let mut light = [0.0; 3];
-        let mut irradiance = 0.0;
+        let mut irradiance = [0.0; 3];
         for (vertex, weight) in facet.vertices.into_iter().zip(weights.at) {
             add(&mut light, self.palette.radiance[vertex as usize], weight);
-            irradiance += weight * self.palette.irradiance[vertex as usize];
+            add(&mut irradiance, self.palette.irradiance[vertex as usize], weight);
         }
         let ramp_px = self.tile.pattern().ramp_px;
         let first = self.dabs.len();
@@ -194,7 +194,7 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
                 continue;
             }
             let paint = self.palette.layers.paint(touch.layer);
-            light = std::array::from_fn(|c| light[c] + share * (paint[c] * irradiance - light[c]));
+            light = std::array::from_fn(|c| light[c] + share * (paint[c] * irradiance[c] - light[c]));
             self.dabs[first..].iter_mut().for_each(|below| below.share *= 1.0 - share);
             self.dabs.push(Dab { layer: touch.layer, share, place });
         }

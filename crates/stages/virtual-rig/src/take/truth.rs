@@ -3,7 +3,7 @@
 use crate::film::Exposure;
 use crate::take::headband::BALL_MM;
 use crate::take::{Role, Set, Station, Studio};
-use crate::wrinkle::ValleyPoint;
+use crate::wrinkle::{Shape, ValleyPoint};
 use artifact::{Curve2d, CurveState, Sample2d, Section, SectionState, TrackState};
 use camera::Camera;
 use nalgebra::{Point2, Point3, Vector2};
@@ -135,7 +135,11 @@ fn ball_in_image(
 }
 
 fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Section {
-    let (epsilon, kappa) = (point.profile.shape.epsilon(), point.profile.shape.kappa());
+    // Other forms have no rounding and no asymmetry in the model's sense.
+    let (epsilon, kappa) = match point.profile.shape {
+        Shape::Rounded { epsilon, kappa } => (epsilon, kappa),
+        _ => (0.0, 0.0),
+    };
     let w_px = width.norm();
     let normal = width / w_px.max(1e-12);
     let ratio = if point.w_mm > 0.0 { point.d_mm / point.w_mm } else { 0.0 };
