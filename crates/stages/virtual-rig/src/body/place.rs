@@ -494,7 +494,8 @@ mod tests {
             (placement.face_from_canonical.to_homogeneous() - nalgebra::Matrix4::identity()).norm() < 1e-9
         );
         let average = Person::of_seed(0);
-        let grid = (-16..=16).flat_map(|i| (-15..=22).map(move |j| Point2::new(5.0 * f64::from(i), 4.0 * f64::from(j))));
+        let grid = (-16..=16)
+            .flat_map(|i| (-15..=22).map(move |j| Point2::new(5.0 * f64::from(i), 4.0 * f64::from(j))));
         // Below the jaw's edge the skin turns inwards: nothing is placed there.
         let face = grid.filter(|at| at.y > surface::jaw_line(&average, at.x) + 5.0);
         let error = |at: Point2<f64>| ((placement.domain_at(&surface::point(&average, at)) - at).norm(), at);

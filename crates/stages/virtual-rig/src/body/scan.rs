@@ -126,20 +126,55 @@ fn between_corners(at: Point2<f64>) -> bool {
     at.x.abs() < MOUTH_HALF_WIDTH && above_mouth(at).abs() < LIP_OVERLAP
 }
 
-/// Per vertex +1 above the mouth and −1 below. Lips touch or overlap, so that the place of a vertex between them says
-/// little; the places of the vertices around it, which hang together with its own lip only, say more.
+/// Per vertex +1 above the mouth and −1 below. Lips touch, overlap and curl in, so that the place of a vertex between
+/// them says little; what hangs together with it between the corners of a cut mouth is one lip, whose mean says more.
 fn lip_sides(mesh: &Mesh, domain: &[Point2<f64>]) -> Vec<Vector1<f64>> {
+    let mut sides: Vec<Vector1<f64>> =
+        domain.iter().map(|&at| Vector1::new(above_mouth(at).signum())).collect();
     let (starts, neighbors) = Connectivity::of(mesh.positions.len(), &mesh.triangles()).one_rings();
-    let side = |vertex: usize| {
-        let ring = &neighbors[starts[vertex]..starts[vertex + 1]];
-        let heights = ring.iter().map(|&other| above_mouth(domain[other as usize]));
-        let height = match between_corners(domain[vertex]) && !ring.is_empty() {
-            true => heights.sum(),
-            false => above_mouth(domain[vertex]),
+    let ring = |vertex: u32| &neighbors[starts[vertex as usize]..starts[vertex as usize + 1]];
+    // A cut may end before the corners, where the lips hang together.
+    for share in [0.96, 0.9, 0.8, 0.7] {
+        let is_lip = |vertex: u32| {
+            let at = domain[vertex as usize];
+            between_corners(at) && at.x.abs() < share * MOUTH_HALF_WIDTH
         };
-        Vector1::new(height.signum())
-    };
-    (0..domain.len()).map(side).collect()
+        let pieces = pieces(domain.len(), is_lip, ring);
+        let sided: Option<Vec<f64>> = pieces.iter().map(|piece| one_side(piece, domain)).collect();
+        if let Some(sided) = sided {
+            for (piece, side) in pieces.iter().zip(sided) {
+                piece.iter().for_each(|&vertex| sides[vertex as usize].x = side);
+            }
+            break;
+        }
+    }
+    sides
+}
+
+/// The parts in which the vertices of a kind hang together.
+fn pieces<'a>(count: usize, is_one: impl Fn(u32) -> bool, ring: impl Fn(u32) -> &'a [u32]) -> Vec<Vec<u32>> {
+    let mut open: Vec<bool> = (0..count as u32).map(&is_one).collect();
+    let mut pieces = Vec::new();
+    for first in 0..count as u32 {
+        if !std::mem::take(&mut open[first as usize]) {
+            continue;
+        }
+        let mut piece = vec![first];
+        let mut next = 0;
+        while let Some(&vertex) = piece.get(next) {
+            next += 1;
+            piece.extend(ring(vertex).iter().filter(|&&other| std::mem::take(&mut open[other as usize])));
+        }
+        pieces.push(piece);
+    }
+    pieces
+}
+
+/// The side of a piece of lip: of its mean, unless it reaches far to both sides, as skin does that is not cut.
+fn one_side(piece: &[u32], domain: &[Point2<f64>]) -> Option<f64> {
+    let heights = || piece.iter().map(|&vertex| above_mouth(domain[vertex as usize]));
+    let (low, high) = (heights().fold(0.0, f64::min), heights().fold(0.0, f64::max));
+    (low.abs().min(high) < 0.7 * LIP_OVERLAP).then(|| heights().sum::<f64>().signum())
 }
 
 /// Brings vertices between the lips onto their own side of the mouth line.
