@@ -29,7 +29,7 @@ pub struct BoardViews {
     pub tilt_deg: f64,
     /// Largest turn in the board's own plane to either side, degrees.
     pub turn_deg: f64,
-    /// Samples along each side of a pixel through which an edge runs.
+    /// Samples in a pixel through which an edge runs.
     pub samples: u32,
     /// The light on the board.
     pub light: BoardLight,
@@ -43,7 +43,7 @@ impl Default for BoardViews {
             distance: [0.75, 1.2],
             tilt_deg: 40.0,
             turn_deg: 25.0,
-            samples: 10,
+            samples: 96,
             light: BoardLight::default(),
         }
     }
@@ -113,9 +113,9 @@ impl BoardViews {
         if !(0.0..=180.0).contains(&self.turn_deg) {
             return refuse("boards.turn_deg", format!("{} degrees; 0 to 180 will do", self.turn_deg));
         }
-        match (1..=64).contains(&self.samples) {
+        match (1..=4096).contains(&self.samples) {
             true => Ok(()),
-            false => refuse("boards.samples", format!("{}; 1 to 64 will do", self.samples)),
+            false => refuse("boards.samples", format!("{}; 1 to 4096 will do", self.samples)),
         }
     }
 }

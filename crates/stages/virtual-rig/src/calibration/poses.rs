@@ -8,7 +8,7 @@ use camera::Camera;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector2, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A corner of a board in a camera's image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,63 +63,69 @@ fn is_front(camera: &Camera, board: &Board, world_from_board: &Isometry3<f64>, m
 }
 
 /// Candidates per view, of which the best is kept.
-const CANDIDATES: usize = 60;
-/// The image is covered when corners were seen in so many cells along x and y.
-const CELLS: [f64; 2] = [6.0, 5.0];
-/// What a further camera that sees a view whole is worth, in newly covered cells.
-const SHARED_WORTH: f64 = 1.5;
+const CANDIDATES: usize = 80;
+/// Parts along x and y in which the cover of an image is counted.
+const PARTS: [f64; 2] = [6.0, 5.0];
+/// What a further camera that sees a view whole is worth, in parts of an image that nothing covered yet.
+const SHARED_WORTH: f64 = 0.5;
 
-/// Poses `world_from_board` of a board that is waved before the cameras: each view aims at a place in one camera's image (the
-/// cameras take turns, the places run over the image out to its corners), at varying distance, tilted and turned by chance; of 60 candidates the one
-/// is kept that covers most of what no view has covered yet and is seen whole by most cameras.
+/// A part of a camera's image.
+type Part = (usize, [u8; 2]);
+
+/// Poses `world_from_board` of a board that is waved before the cameras: each view aims at a place in one camera's image
+/// (the cameras take turns), at a varying distance, tilted and turned by chance. Of 80 candidates the one is kept that
+/// shows corners in parts of the images that few views have covered yet, and is seen whole by many cameras.
 ///
 /// # Errors
-/// If a camera cannot see the board whole anywhere.
+/// If the cameras' views do not meet, or one cannot see the board whole anywhere.
 pub fn board_poses(cameras: &[Camera], views: &BoardViews, seed: u64) -> Result<Vec<Isometry3<f64>>, Error> {
     let refuse = |what: String| Error::Parameter { place: "calibration.boards".into(), what };
     let volume = common_volume(cameras).ok_or_else(|| refuse("the cameras' views do not meet".into()))?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xb0a2d);
-    let mut covered: BTreeSet<(usize, [u8; 2])> = BTreeSet::new();
+    let mut covered: BTreeMap<Part, u32> = BTreeMap::new();
     let mut poses = Vec::with_capacity(views.count);
     for view in 0..views.count {
         let aimed = view % cameras.len();
-        let mut best: Option<(f64, Isometry3<f64>, Vec<(usize, [u8; 2])>)> = None;
+        let mut best: Option<(f64, Isometry3<f64>, Vec<Part>)> = None;
         for _ in 0..CANDIDATES {
             let pose = candidate(cameras, aimed, views, volume.middle, &mut rng);
             if !is_seen_whole(&cameras[aimed], &views.board, &pose) {
                 continue;
             }
-            let cells = cells(cameras, &views.board, &pose);
-            let fresh = cells.iter().filter(|cell| !covered.contains(cell)).count() as f64;
-            let shared = cameras.iter().filter(|camera| is_seen_whole(camera, &views.board, &pose)).count();
-            let worth = fresh + SHARED_WORTH * shared as f64;
+            let (parts, shared) = parts(cameras, &views.board, &pose);
+            let worth_of = |part: &Part| f64::from(1 + covered.get(part).unwrap_or(&0)).powi(-2);
+            let worth = parts.iter().map(worth_of).sum::<f64>() + SHARED_WORTH * shared as f64;
             if best.as_ref().is_none_or(|(least, ..)| worth > *least) {
-                best = Some((worth, pose, cells));
+                best = Some((worth, pose, parts));
             }
         }
-        let (_, pose, cells) = best.ok_or_else(|| {
+        let (_, pose, parts) = best.ok_or_else(|| {
             refuse(format!("camera {aimed} (from 0) sees the board whole nowhere; take a smaller board"))
         })?;
-        covered.extend(cells);
+        parts.into_iter().for_each(|part| *covered.entry(part).or_default() += 1);
         poses.push(pose);
     }
     Ok(poses)
 }
 
-/// The cells of all cameras' images in which corners are seen.
-fn cells(cameras: &[Camera], board: &Board, pose: &Isometry3<f64>) -> Vec<(usize, [u8; 2])> {
-    let whole = cameras.iter().enumerate().filter(|(_, camera)| is_seen_whole(camera, board, pose));
-    let of_camera = |(index, camera): (usize, &Camera)| {
-        let cell = |corner: CornerInImage| {
-            let share = |axis: usize| {
+/// The parts of the cameras' images in which corners lie, of the cameras that see the board whole; and how many these are.
+fn parts(cameras: &[Camera], board: &Board, pose: &Isometry3<f64>) -> (Vec<Part>, usize) {
+    let (mut parts, mut shared) = (Vec::new(), 0);
+    for (index, camera) in cameras.iter().enumerate() {
+        if !is_seen_whole(camera, board, pose) {
+            continue;
+        }
+        shared += 1;
+        let part = |corner: CornerInImage| {
+            [0, 1].map(|axis| {
                 let side = f64::from(camera.image_size[axis]);
-                ((corner.point_in_image[axis] + 0.5) / side * CELLS[axis]) as u8
-            };
-            (index, [share(0), share(1)])
+                ((corner.point_in_image[axis] + 0.5) / side * PARTS[axis]) as u8
+            })
         };
-        corners_in_image(camera, board, pose).into_iter().map(cell).collect::<BTreeSet<_>>()
-    };
-    whole.flat_map(of_camera).collect()
+        let own: BTreeSet<[u8; 2]> = corners_in_image(camera, board, pose).into_iter().map(part).collect();
+        parts.extend(own.into_iter().map(|part| (index, part)));
+    }
+    (parts, shared)
 }
 
 /// A pose that puts the board's middle at a random place of a camera's image, facing between that camera and all of

@@ -55,6 +55,8 @@ impl BoardLight {
     }
 }
 
+/// The golden ratio less 1: its multiples spread most evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Reflectance of a board's back.
 const BACK: [f32; 3] = [0.2; 3];
 
@@ -80,7 +82,7 @@ impl BoardCamera {
     }
 
     /// The board as the camera sees it: linear radiance, averaged over each pixel. Pixels that see one colour only take one sample,
-    /// others `samples` × `samples` (8 or more keep corners within 0.01 px).
+    /// others `samples`, spread evenly.
     ///
     /// `world_from_board`: rigid, mm. Inside a pixel the lens counts as linear (off by less than 1e-5 px).
     #[must_use]
@@ -147,18 +149,17 @@ impl<'a> View<'a> {
     /// Mean radiance over a pixel, from the rays of its corners: top left, top right, bottom left, bottom right.
     fn pixel(&self, corners: [Vector2<f64>; 4], samples: u32) -> [f32; 3] {
         let samples = if self.is_of_one_colour(corners) { 1 } else { samples };
-        let share = |i: u32| (f64::from(i) + 0.5) / f64::from(samples);
         let [top_left, top_right, bottom_left, bottom_right] = corners;
         let mut sum = [0.0_f64; 3];
-        for j in 0..samples {
-            let (left, right) =
-                (top_left.lerp(&bottom_left, share(j)), top_right.lerp(&bottom_right, share(j)));
-            for i in 0..samples {
-                let radiance = self.radiance(left.lerp(&right, share(i)));
-                (0..3).for_each(|channel| sum[channel] += radiance[channel]);
-            }
+        for i in 0..samples {
+            // No two samples share a row or a column, so that edges along rows are not placed by steps of 1 / √samples.
+            let (u, v) = ((f64::from(i) + 0.5) / f64::from(samples), ((f64::from(i) + 0.5) * GOLDEN).fract());
+            let v = if samples == 1 { 0.5 } else { v };
+            let (left, right) = (top_left.lerp(&bottom_left, v), top_right.lerp(&bottom_right, v));
+            let radiance = self.radiance(left.lerp(&right, u));
+            (0..3).for_each(|channel| sum[channel] += radiance[channel]);
         }
-        sum.map(|sum| (sum / f64::from(samples * samples)) as f32)
+        sum.map(|sum| (sum / f64::from(samples)) as f32)
     }
 
     /// Whether no line of the pattern runs through a pixel.
