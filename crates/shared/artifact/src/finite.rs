@@ -1,4 +1,4 @@
-//! Numbers must be finite: NaN would be written as `null` and come back as "missing".
+//! What numbers must be: finite, since NaN would be written as `null` and come back as "missing"; and in range.
 
 use crate::Violation;
 use mesh::Mesh;
@@ -14,6 +14,31 @@ pub fn finite<'a>(
     match numbers.into_iter().find(|number| !number.is_finite()) {
         Some(number) => Err(Violation::new(place, format!("{number} is not a finite number"))),
         None => Ok(()),
+    }
+}
+
+/// Refuses a number outside a range.
+pub(crate) fn within(
+    place: &str,
+    name: &str,
+    value: f64,
+    range: impl std::ops::RangeBounds<f64> + std::fmt::Debug,
+) -> std::result::Result<(), Violation> {
+    match range.contains(&value) {
+        true => Ok(()),
+        false => Err(Violation::new(place, format!("{name} {value} is not in {range:?}"))),
+    }
+}
+
+/// How far the length of a direction may be from 1.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+/// Refuses a direction that has not length 1.
+pub(crate) fn unit_vector(place: &str, name: &str, vector: &[f64]) -> std::result::Result<(), Violation> {
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    match (length - 1.0).abs() <= UNIT_TOLERANCE {
+        true => Ok(()),
+        false => Err(Violation::new(place, format!("{name} has length {length}, not 1"))),
     }
 }
 

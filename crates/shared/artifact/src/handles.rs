@@ -1,7 +1,7 @@
 //! `handles/1`: displacements of handle vertices in face space, over frames [BickelBotsch2007, Eq. 2].
 
+use crate::ids::check_marker_ids;
 use crate::quantity::Rate;
-use crate::trajectories::check_ids;
 use crate::{FileRef, Kind, MeshRef, Stream, TakeRef, Violation, finite};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
@@ -72,7 +72,7 @@ impl Stream for Handles {
     type Line = HandleLine;
 
     fn check(header: &HandlesHeader) -> Result<(), Violation> {
-        check_ids(&header.handles.iter().map(|handle| handle.marker.clone()).collect::<Vec<_>>())?;
+        check_marker_ids(header.handles.iter().map(|handle| &handle.marker))?;
         header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
         let mut taken = HashMap::new();
         for handle in &header.handles {

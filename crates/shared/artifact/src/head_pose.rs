@@ -72,7 +72,7 @@ impl Stream for HeadPose {
 
     fn check(header: &HeadPoseHeader) -> Result<(), Violation> {
         header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
-        crate::trajectories::check_ids(&header.markers)
+        crate::ids::check_marker_ids(&header.markers)
     }
 
     fn encode(_: &HeadPoseHeader, frame: &HeadPoseFrame) -> Result<HeadPoseLine, Violation> {

@@ -24,23 +24,34 @@
 mod envelope;
 mod error;
 mod finite;
+mod ids;
+mod image_pattern;
 mod quantity;
 mod source;
 mod staged;
 
+mod cameras;
 mod correspondence;
+mod frames;
 mod handles;
 mod head_pose;
+mod labels;
 mod large_scale;
 mod marker_file;
 mod markers;
 mod mesh_file;
 mod mesh_sequence;
 mod response_basis;
+mod sections;
+mod sync;
 mod take;
+mod tracks_2d;
 mod trajectories;
+mod valleys;
 mod vertices;
 mod warp;
+mod wrinkled;
+mod wrinkles_2d;
 
 pub mod c3d;
 pub mod marker_csv;
@@ -48,12 +59,13 @@ pub mod npy;
 pub mod obj;
 pub mod pc2;
 pub mod picks;
+pub mod picture;
 pub mod ply;
-pub mod png;
 pub mod provenance;
 pub mod trc;
 pub mod usda;
 
+pub use cameras::{CameraDeviation, CameraRig, RigCamera};
 pub use correspondence::{Correspondence, Pair};
 pub use envelope::{
     Document, FrameReader, FrameWriter, Kind, Stream, document_schema, read_document, stream_schema,
@@ -61,19 +73,33 @@ pub use envelope::{
 };
 pub use error::{Error, Result, Violation};
 pub use finite::finite;
+pub use frames::{CameraFrames, FrameRun, Frames};
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
+pub use ids::PerCamera;
+pub use image_pattern::image_path;
+pub use labels::Labels;
 pub use large_scale::{LargeScale, SequenceForm};
 pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
 pub use response_basis::ResponseBasis;
+pub use sections::{
+    Profile, Section, SectionDeviation, SectionState, Sections, SectionsFrame, SectionsHeader,
+};
 pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
 pub use staged::{Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, stage_bytes};
-pub use take::{Axis, Clock, Consent, Take, TakeCamera, TakeRef};
+pub use sync::{Shown, Sync, SyncCamera, SyncFrame, SyncHeader, SyncSource};
+pub use take::{Axis, Clock, Consent, Footage, Take, TakeCamera, TakeRef};
+pub use tracks_2d::{Sample2d, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
 pub use trajectories::{
     HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
 };
+pub use valleys::{Space, ValleyPoint, Valleys, ValleysFrame, ValleysHeader};
 pub use vertices::{VertexMapping, VertexPath, VertexSet};
 pub use warp::{Interpolant, Warp, WarpFit};
+pub use wrinkled::Wrinkled;
+pub use wrinkles_2d::{
+    Curve2d, CurveState, PaintWidth, Wrinkle, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader,
+};

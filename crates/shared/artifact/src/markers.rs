@@ -1,6 +1,6 @@
 //! What the marker formats of others share: labels, units, gaps.
 
-use crate::trajectories::check_ids;
+use crate::ids::check_marker_ids;
 use crate::{Error, MarkerFrame, Rate, Result, Trajectories, Unit, Violation};
 use nalgebra::Point3;
 use std::collections::{HashMap, HashSet};
@@ -162,7 +162,7 @@ pub(crate) fn point_in_cells(
 pub(crate) fn check_writable(path: &Path, trajectories: &Trajectories) -> Result<Rate> {
     let header = &trajectories.header;
     let refuse = |what: &str, fix: &str| Err(Error::new(path, what).fix(fix));
-    check_ids(&header.markers).map_err(|violation| violation.in_file(path))?;
+    check_marker_ids(&header.markers).map_err(|violation| violation.in_file(path))?;
     if header.markers.is_empty() || trajectories.frames.is_empty() {
         return refuse("there are no markers or no frames to write", "check the stage before");
     }

@@ -1,10 +1,14 @@
-//! `take/1`: the manifest of a take. It names, and refers by hash to, what many takes share.
+//! `take/2`: the manifest of a take. It names, and refers by hash to, what many takes share.
+//!
+//! Version 1 had no footage; it is read as a take whose cameras have none.
 
+use crate::ids::check_ids;
+use crate::image_pattern::{check_pattern, image_path};
 use crate::quantity::Rate;
 use crate::{Document, FileRef, Kind, Unit, Violation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// A take's manifest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -78,6 +82,43 @@ pub struct TakeCamera {
     pub bit_depth: u8,
     /// Frames per second.
     pub rate: Rate,
+    /// Where the images are; absent where only what was made from them is at hand.
+    #[serde(default)]
+    pub footage: Option<Footage>,
+}
+
+/// The images of a camera: a video file or a sequence of images, exactly one of the two.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Footage {
+    /// A video file, its path relative to the manifest.
+    pub file: Option<String>,
+    /// Image files, their paths relative to the manifest, with the image's number as `{frame}` or, filled up with zeros
+    /// to six digits, `{frame:06}`; e.g. `footage/m1/{frame:06}.png`.
+    pub images: Option<String>,
+    /// Number in the name of the first image file, or index of the first frame of the video that belongs to the take
+    /// (the video's own first frame has index 0).
+    #[serde(default)]
+    pub first: i64,
+    /// A CSV file, its path relative to the manifest, with the time of every image: lines `index,time_s`.
+    pub timestamps: Option<String>,
+}
+
+impl Footage {
+    /// The path of an image file, relative to the manifest; none where the footage is a video.
+    #[must_use]
+    pub fn image(&self, number: i64) -> Option<String> {
+        self.images.as_ref().map(|pattern| image_path(pattern, number))
+    }
+
+    fn check(&self, place: &str) -> Result<(), Violation> {
+        match (&self.file, &self.images) {
+            (Some(file), None) if file.is_empty() => Err(Violation::new(place, "the file has no name")),
+            (Some(_), None) => Ok(()),
+            (None, Some(pattern)) => check_pattern(place, pattern),
+            _ => Err(Violation::new(place, "name either a video file or images, exactly one of the two")),
+        }
+    }
 }
 
 /// Consent and licence.
@@ -112,18 +153,17 @@ impl std::fmt::Display for TakeRef {
 
 impl Kind for Take {
     const NAME: &'static str = "take";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 }
 
 impl Document for Take {
     fn check(&self) -> Result<(), Violation> {
         self.rate.check("rate")?;
-        let mut ids = HashMap::new();
+        check_ids("cameras", "camera", self.cameras.iter().map(|camera| &camera.id))?;
         for camera in &self.cameras {
-            camera.rate.check(&format!("camera {}", camera.id))?;
-            if ids.insert(&camera.id, ()).is_some() {
-                return Err(Violation::new("cameras", format!("the id {} stands twice", camera.id)));
-            }
+            let place = format!("camera {}", camera.id);
+            camera.rate.check(&place)?;
+            camera.footage.as_ref().map_or(Ok(()), |footage| footage.check(&format!("{place}, footage")))?;
         }
         match self.start_timecode.as_deref().map(is_timecode) {
             Some(false) => Err(Violation::new("start_timecode", "is not HH:MM:SS:FF or HH:MM:SS;FF")),

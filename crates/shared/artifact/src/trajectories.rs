@@ -1,5 +1,6 @@
 //! `trajectories-3d/1` (mocap space) and `head-trajectories/1` (head space): markers in 3D over frames.
 
+use crate::ids::check_marker_ids;
 use crate::quantity::Rate;
 use crate::{
     Error, FrameReader, FrameWriter, Kind, Result, Staged, Stream, TakeRef, Unit, Violation, finite,
@@ -7,7 +8,7 @@ use crate::{
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What holds for all frames of a set of trajectories.
@@ -114,21 +115,7 @@ fn check_header(header: &MarkerHeader) -> std::result::Result<(), Violation> {
         return Err(Violation::new("unit", format!("is {}; this kind is always in mm", header.unit)));
     }
     header.rate.map_or(Ok(()), |rate| rate.check("rate"))?;
-    check_ids(&header.markers)
-}
-
-/// Refuses empty and doubled ids.
-pub(crate) fn check_ids(markers: &[String]) -> std::result::Result<(), Violation> {
-    let mut seen = HashMap::new();
-    for marker in markers {
-        if marker.is_empty() {
-            return Err(Violation::new("markers", "a marker has an empty id"));
-        }
-        if seen.insert(marker, ()).is_some() {
-            return Err(Violation::new("markers", format!("the id {marker} stands twice")));
-        }
-    }
-    Ok(())
+    check_marker_ids(&header.markers)
 }
 
 fn encode(header: &MarkerHeader, frame: &MarkerFrame) -> std::result::Result<MarkerLine, Violation> {

@@ -76,7 +76,7 @@ impl Document for Warp {
     fn check(&self) -> Result<(), Violation> {
         check_interpolant("face_from_mocap", &self.face_from_mocap)?;
         check_interpolant("mocap_from_face", &self.mocap_from_face)?;
-        crate::trajectories::check_ids(&self.markers)?;
+        crate::ids::check_marker_ids(&self.markers)?;
         let count = self.face_from_mocap.centers.len();
         if self.markers.len() != count || self.vertices.len() != count {
             let what = format!(

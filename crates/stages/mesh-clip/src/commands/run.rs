@@ -95,7 +95,7 @@ fn picked<T: Document>(
 }
 
 fn mask(run: &mut Run, path: &Path) -> anyhow::Result<Mask> {
-    let picture = artifact::png::read_gray(path)?;
+    let picture = artifact::picture::read_gray(path)?;
     run.input("uv mask", path)?;
     Ok(Mask { width: picture.width, height: picture.height, texels: picture.pixels })
 }

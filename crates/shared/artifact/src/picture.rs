@@ -1,0 +1,146 @@
+//! Pictures: PNG in and out, JPEG in.
+//!
+//! Code values are taken as they stand: colour profiles (ICC), gamma chunks and EXIF orientation are passed over, and which
+//! transfer function holds is for the caller to say (the take manifest does).
+
+use crate::source::read_bytes;
+use crate::{Error, Result, Sink, Staged};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat};
+use std::path::Path;
+
+/// A grey picture; row 0 is the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gray {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Code values as a share of white, 0–1, row after row.
+    pub pixels: Vec<f64>,
+}
+
+/// A colour picture; row 0 is the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rgb {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Code values, row after row.
+    pub codes: Codes,
+}
+
+/// Code values of red, green and blue, pixel after pixel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Codes {
+    /// 8 bits each.
+    Bits8(Vec<u8>),
+    /// 16 bits each.
+    Bits16(Vec<u16>),
+}
+
+impl Rgb {
+    /// The red, green and blue of a pixel as shares of white, 0–1.
+    ///
+    /// # Panics
+    /// If the pixel lies outside the picture.
+    #[must_use]
+    pub fn at(&self, column: usize, row: usize) -> [f64; 3] {
+        let first = 3 * (row * self.width + column);
+        std::array::from_fn(|channel| match &self.codes {
+            Codes::Bits8(codes) => f64::from(codes[first + channel]) / f64::from(u8::MAX),
+            Codes::Bits16(codes) => f64::from(codes[first + channel]) / f64::from(u16::MAX),
+        })
+    }
+}
+
+/// Reads a PNG of 8 or 16 bits as grey values; colours become their luma, transparency is ignored.
+///
+/// # Errors
+/// If the file cannot be read or is no whole PNG.
+pub fn read_gray(path: &Path) -> Result<Gray> {
+    let bytes = read_bytes(path)?;
+    let picture = decode(path, &bytes, ImageFormat::Png)?.into_luma16();
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let pixels = picture.into_raw().into_iter().map(|value| f64::from(value) / f64::from(u16::MAX)).collect();
+    Ok(Gray { width, height, pixels })
+}
+
+/// Reads a PNG of 8 or 16 bits, or a JPEG, as colours; which of the two it is, its first bytes say. Grey becomes a colour of
+/// three equal values, transparency is ignored; fewer than 8 bits become 8.
+///
+/// # Errors
+/// If the file cannot be read or is no whole PNG or JPEG.
+pub fn read_rgb(path: &Path) -> Result<Rgb> {
+    let bytes = read_bytes(path)?;
+    let format = match bytes.starts_with(&[0xff, 0xd8]) {
+        true => ImageFormat::Jpeg,
+        false => ImageFormat::Png,
+    };
+    let picture = decode(path, &bytes, format)?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let codes = match picture.color().bytes_per_pixel() / picture.color().channel_count() {
+        1 => Codes::Bits8(picture.into_rgb8().into_raw()),
+        _ => Codes::Bits16(picture.into_rgb16().into_raw()),
+    };
+    Ok(Rgb { width, height, codes })
+}
+
+fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<DynamicImage> {
+    image::load_from_memory_with_format(bytes, format).map_err(|error| {
+        let name = if format == ImageFormat::Jpeg { "JPEG" } else { "PNG" };
+        Error::new(path, format!("is not a {name} picture: {error}")).fix(format!(
+            "check that this is the right file and that it was not cut; save it as {name} again"
+        ))
+    })
+}
+
+/// Writes a PNG of 8 bits; `rgb` holds red, green, blue of each pixel, row after row from the top. Compression is that for
+/// speed.
+///
+/// # Errors
+/// If the size is none or does not fit the values, or the file cannot be written.
+pub fn write_rgb8(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<Staged> {
+    check_size(path, width, height, rgb.len())?;
+    write_png(path, width, height, ExtendedColorType::Rgb8, rgb)
+}
+
+/// Writes a PNG of 16 bits; otherwise like [`write_rgb8`].
+///
+/// # Errors
+/// As [`write_rgb8`].
+pub fn write_rgb16(path: &Path, width: usize, height: usize, rgb: &[u16]) -> Result<Staged> {
+    check_size(path, width, height, rgb.len())?;
+    // The encoder takes the machine's byte order.
+    let bytes: Vec<u8> = rgb.iter().flat_map(|code| code.to_ne_bytes()).collect();
+    write_png(path, width, height, ExtendedColorType::Rgb16, &bytes)
+}
+
+fn check_size(path: &Path, width: usize, height: usize, values: usize) -> Result<()> {
+    let fits =
+        width > 0 && height > 0 && width.checked_mul(height).is_some_and(|pixels| 3 * pixels == values);
+    match fits && u32::try_from(width.max(height)).is_ok() {
+        true => Ok(()),
+        false => {
+            Err(Error::new(path, format!("{values} values make no picture of {width} × {height} pixels")))
+        }
+    }
+}
+
+fn write_png(
+    path: &Path,
+    width: usize,
+    height: usize,
+    color: ExtendedColorType,
+    bytes: &[u8],
+) -> Result<Staged> {
+    let mut sink = Sink::create(path)?;
+    PngEncoder::new_with_quality(&mut sink, CompressionType::Fast, FilterType::Adaptive)
+        .write_image(bytes, width as u32, height as u32, color)
+        .map_err(|error| match error {
+            image::ImageError::IoError(cause) => Error::io(path, "write", &cause),
+            other => Error::new(path, format!("cannot be written as PNG: {other}")),
+        })?;
+    sink.finish()
+}
