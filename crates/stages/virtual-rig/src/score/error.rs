@@ -4,7 +4,9 @@
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ScoreError {
     /// The result was made from another take.
-    #[error("the result comes from {result}, the truth from {truth}; score it against the truth of its own take")]
+    #[error(
+        "the result comes from {result}, the truth from {truth}; score it against the truth of its own take"
+    )]
     OtherTake {
         /// The truth's take.
         truth: String,

@@ -42,7 +42,11 @@ pub(super) fn check_equal<T: PartialEq + std::fmt::Display>(
     if truth == result {
         return Ok(());
     }
-    Err(ScoreError::Differs { place: place.to_string(), truth: truth.to_string(), result: result.to_string() })
+    Err(ScoreError::Differs {
+        place: place.to_string(),
+        truth: truth.to_string(),
+        result: result.to_string(),
+    })
 }
 
 /// Which frames truth and result share.

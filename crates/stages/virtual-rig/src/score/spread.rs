@@ -9,6 +9,10 @@ impl Pool {
         self.0.push(error);
     }
 
+    pub(super) fn join(&mut self, other: &Self) {
+        self.0.extend_from_slice(&other.0);
+    }
+
     pub(super) fn len(&self) -> usize {
         self.0.len()
     }
@@ -137,7 +141,8 @@ mod tests {
         }
         assert_eq!(pool.max("").unwrap(), histogram.max("").unwrap());
         for share in [0.05, 0.5, 0.9, 0.95, 0.999] {
-            let (exact, binned) = (pool.percentile(share, "").unwrap(), histogram.percentile(share, "").unwrap());
+            let (exact, binned) =
+                (pool.percentile(share, "").unwrap(), histogram.percentile(share, "").unwrap());
             assert!((exact - binned).abs() <= 2e-3 * exact, "{share}: {exact} and {binned}");
         }
         assert!((pool.rms("").unwrap() - histogram.rms("").unwrap()).abs() < 1e-12);

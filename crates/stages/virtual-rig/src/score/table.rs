@@ -35,7 +35,11 @@ impl Table {
     pub fn passes(&self) -> bool {
         self.targets.iter().all(|(name, &target)| {
             self.metrics.iter().any(|metric| metric.name == name)
-                && self.metrics.iter().filter(|metric| metric.name == name).all(|metric| metric.reaches(target))
+                && self
+                    .metrics
+                    .iter()
+                    .filter(|metric| metric.name == name)
+                    .all(|metric| metric.reaches(target))
         })
     }
 
@@ -106,7 +110,9 @@ fn rounded(value: f64) -> String {
 fn counts(metric: &Metric) -> String {
     let plain = |(key, value): (&String, &Value)| match value {
         Value::Number(number) => {
-            let number = number.as_u64().map_or_else(|| rounded(number.as_f64().unwrap_or(f64::NAN)), |n| n.to_string());
+            let number = number
+                .as_u64()
+                .map_or_else(|| rounded(number.as_f64().unwrap_or(f64::NAN)), |n| n.to_string());
             Some(format!("{key} {number}"))
         }
         _ => None,

@@ -28,7 +28,8 @@ pub fn trajectories_3d(truth: &Trajectories, result: &Trajectories) -> Result<Ve
 /// As [`trajectories_3d`].
 pub fn head_trajectories(truth: &Trajectories, result: &Trajectories) -> Result<Vec<Metric>, ScoreError> {
     let samples = Samples::pair(truth, result)?;
-    let (from, to): (Vec<_>, Vec<_>) = samples.measured.iter().map(|sample| (sample.result, sample.truth)).unzip();
+    let (from, to): (Vec<_>, Vec<_>) =
+        samples.measured.iter().map(|sample| (sample.result, sample.truth)).unzip();
     let fitted = super::align::rigid(&from, &to).unwrap_or_else(Isometry3::identity);
     let raw = samples.errors(&samples.measured, &Isometry3::identity()).rms("").ok();
     let mut context = samples.context.clone();
