@@ -16,7 +16,10 @@ use std::collections::BTreeMap;
 ///
 /// The true markers are projected by the true cameras, and both rigs triangulate these pixels: each point is the one with
 /// the least squared distance to its rays. What the tested rig makes of them is carried onto what the true one makes, by a
-/// rigid motion without scale; what is left is the error. Poses are compared after the same motion.
+/// rigid motion without scale; what is left is the error.
+///
+/// Poses are compared after the rigid motion with the least sum of distances between the cameras (not of squares), so that
+/// one bad camera is found, and not spread over all. Of two cameras nobody can say which is the bad one: they share it.
 ///
 /// A camera sees a marker where `seen` says so; without it, where the pixel lies on the image. Markers that fewer than two
 /// cameras of the tested rig see are counted as `points_lost`.
@@ -50,7 +53,7 @@ pub fn cameras(
     let context: Map<String, Value> =
         counts.into_iter().map(|(key, count)| (key.to_string(), count.into())).collect();
     let mut metrics = marker_metrics(&points, aligned.as_ref());
-    metrics.extend(camera_metrics(&pairs, aligned.as_ref()));
+    metrics.extend(camera_metrics(&pairs, &points));
     metrics.push(Metric::count("cameras_missing", truth.cameras.len() - pairs.len()));
     Ok(metrics.into_iter().map(|metric| metric.with_all(&context)).collect())
 }
@@ -62,9 +65,15 @@ struct Pair<'a> {
     result: &'a Camera,
 }
 
+/// What the true rig makes of a marker, and what the tested one does.
+type PointPair = (Point3<f64>, Point3<f64>);
+
 const UNALIGNED: &str = "fewer than three points off a line were triangulated, so nothing can be aligned";
 
-fn marker_metrics(points: &[(Point3<f64>, Point3<f64>)], aligned: Option<&Isometry3<f64>>) -> Vec<Metric> {
+const ALONE: &str =
+    "fewer than two cameras of the truth are in the result, so there is nothing to compare them with";
+
+fn marker_metrics(points: &[PointPair], aligned: Option<&Isometry3<f64>>) -> Vec<Metric> {
     let mut errors = Pool::default();
     if let Some(motion) = aligned {
         points.iter().for_each(|(truth, result)| errors.add((motion * result - truth).norm()));
@@ -75,7 +84,8 @@ fn marker_metrics(points: &[(Point3<f64>, Point3<f64>)], aligned: Option<&Isomet
     ]
 }
 
-fn camera_metrics(pairs: &[Pair], aligned: Option<&Isometry3<f64>>) -> Vec<Metric> {
+fn camera_metrics(pairs: &[Pair], points: &[PointPair]) -> Vec<Metric> {
+    let aligned = align_cameras(pairs, points);
     let angle_deg = |pair: &Pair, motion: &Isometry3<f64>| {
         // cam ← true world ← tested world
         let expected = pair.truth.cam_from_world.rotation * motion.rotation;
@@ -97,22 +107,55 @@ fn camera_metrics(pairs: &[Pair], aligned: Option<&Isometry3<f64>>) -> Vec<Metri
             let worst = errors.iter().map(|(_, error)| *error).reduce(f64::max);
             let each: Map<String, Value> =
                 errors.iter().map(|(id, error)| (id.to_string(), json!(error))).collect();
-            Metric::error(name, unit, worst.ok_or_else(|| UNALIGNED.to_string())).with("per_camera", each)
+            Metric::error(name, unit, worst.ok_or_else(|| ALONE.to_string())).with("per_camera", each)
         };
     let still = Isometry3::identity();
     vec![
-        worst("angle_deg", "deg", &angle_deg, aligned),
-        worst("position_mm", "mm", &position_mm, aligned),
+        worst("angle_deg", "deg", &angle_deg, aligned.as_ref()),
+        worst("position_mm", "mm", &position_mm, aligned.as_ref()),
         worst("focal_rel", "ratio", &focal_rel, Some(&still)),
     ]
 }
 
+/// Steps of the reweighted alignment: it gains more than a digit a step, and the last ones stand still.
+const STEPS: usize = 60;
+/// Cameras closer than this count as equal, mm.
+const CLOSE: f64 = 1e-9;
+
+/// The motion from the tested world to the true one with the least sum of distances between the cameras, by reweighted least
+/// squares. A camera's distance is that of its eye and of three points as far before and beside it as the markers are.
+fn align_cameras(pairs: &[Pair], points: &[PointPair]) -> Option<Isometry3<f64>> {
+    if pairs.len() < 2 {
+        return None;
+    }
+    let middle =
+        points.iter().map(|(truth, _)| truth.coords).sum::<Vector3<f64>>() / points.len().max(1) as f64;
+    let reach = |camera: &Camera| (camera.eye_in_world().coords - middle).norm().max(1.0);
+    let place = |camera: &Camera, reach: f64| {
+        [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()]
+            .map(|axis| camera.cam_from_world.inverse_transform_point(&Point3::from(reach * axis)))
+    };
+    let (from, to): (Vec<_>, Vec<_>) = pairs
+        .iter()
+        .map(|pair| (place(pair.result, reach(pair.truth)), place(pair.truth, reach(pair.truth))))
+        .unzip();
+    let (from, to) = (from.concat(), to.concat());
+    let mut motion = super::align::rigid(&from, &to)?;
+    for _ in 0..STEPS {
+        let distances: Vec<f64> =
+            (0..from.len()).map(|at| (motion * from[at] - to[at]).norm_squared()).collect();
+        let camera = |at: usize| distances[at / 4 * 4..at / 4 * 4 + 4].iter().sum::<f64>().sqrt();
+        if (0..from.len()).all(|at| camera(at) <= CLOSE) {
+            break;
+        }
+        let weights: Vec<f64> = (0..from.len()).map(|at| 1.0 / camera(at).max(CLOSE)).collect();
+        motion = camera::fit_rigid(&from, &to, Some(&weights)).ok()?;
+    }
+    Some(motion)
+}
+
 /// Per marker and frame what the true rig and the tested one triangulate, and how many the tested one cannot.
-fn triangulated(
-    pairs: &[Pair],
-    markers: &Trajectories,
-    seen: Option<Tracks>,
-) -> (Vec<(Point3<f64>, Point3<f64>)>, usize) {
+fn triangulated(pairs: &[Pair], markers: &Trajectories, seen: Option<Tracks>) -> (Vec<PointPair>, usize) {
     let sight = seen.map(Sight::of);
     let (mut points, mut lost) = (Vec::new(), 0);
     for frame in &markers.frames {
