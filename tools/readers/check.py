@@ -30,6 +30,11 @@ def check_static():
     import correspondence, provenance, take, vertex_map, vertex_path, vertex_set, warp
     manifest = take.read(FIXTURES / "take-1/take.json")
     close(manifest["hz"], 30000 / 1001)
+    assert manifest["cameras"][0]["footage"] is None
+    newer = take.read(FIXTURES / "take-2/take.json")
+    footage = [camera["footage"] for camera in newer["cameras"]]
+    assert footage[0]["file"] is None and footage[1]["file"] == "footage/left.mkv" and footage[2] is None
+    assert footage[0]["images"].format(frame=17) == "footage/front/000017.png"
     mesh, markers, vertices, positions = correspondence.read(FIXTURES / "correspondence-1/correspondence.json")
     assert markers == ["brow_l", "lip_r", "nose", "temple"] and mesh["vertex_count"] == 5
     close(positions[3], [0, 10, -0.25])
@@ -62,6 +67,56 @@ def check_frames():
     header, frames, moves, weights = handles.read(FIXTURES / "handles-1/handles.jsonl")
     close(moves[1], [[0, 0.5, -0.125], [np.nan] * 3])
     close(weights, [[np.inf, np.inf], [2.5, np.inf], [np.inf, np.inf]])
+
+
+def check_capture():
+    import cameras, frames, labels, sync, tracks_2d
+    rig = cameras.read(FIXTURES / "cameras-1/cameras.json")
+    # The first lies on the axis of the view, the second 10 mm off it to the right and down, the third behind the camera.
+    pixels = cameras.project(rig["front"], [[0, 10, 0], [10, 0, 0], [0, 0, 900]])
+    r2 = 2 / 80**2
+    step = (1 - 0.125 * r2 + 0.0625 * r2**2) / 80
+    close(pixels, [[959.5, 539.5], [959.5 + 2400 * step, 539.5 + 2400.5 * step], [np.nan] * 2])
+    header, numbers, index, doubled = sync.read(FIXTURES / "sync-1/sync.jsonl")
+    assert numbers.tolist() == [1001, 1002, 1004] and index["front"].tolist() == [5, sync.MISSING, 7]
+    assert index["right"].tolist() == [0, sync.NOT_DUE, 1] and doubled["left"].tolist() == [False, False, True]
+    close(sync.mocap_time(header["cameras"]["left"], [1002, 51002]), [1002.25, 51001.25])
+    images = frames.read(FIXTURES / "frames-1/frames.json")
+    assert list(images["right"]["images"]) == [1001, 1004, 1007, 1010] and len(images["front"]["images"]) == 9
+    assert images["front"]["images"][1004] == FIXTURES / "frames-1/front/001004.png"
+    frame, points = labels.read(FIXTURES / "labels-1/labels.json")
+    assert frame == 1001 and points["front"][0] == ["brow_l", "nose"] and points["right"][1].shape == (0, 2)
+    close(points["left"][1], [[200.5, 0.1]])
+    _, numbers, there, points, confidence, states = tracks_2d.read(FIXTURES / "tracks-2d-1/tracks-2d.jsonl")
+    assert numbers.tolist() == [1001, 1002, 1004] and there.tolist() == [[True, True], [True, False], [True, True]]
+    assert states[2, 0].tolist() == ["predicted", "lost", "edited"] and confidence[2, 0].tolist() == [0.5, 0.0, 1.0]
+    close(points[1, 0], [[812.5, 301.25], [np.nan] * 2, [960.0, 540.125]])
+
+
+def check_wrinkles():
+    import large_scale, sections, valleys, wrinkles_2d
+    _, curves = wrinkles_2d.read(FIXTURES / "wrinkles-2d-1/wrinkles-2d.jsonl")
+    points, tangents, normals = wrinkles_2d.evaluate(curves[1001]["right"]["brow_1"], [0.0, 0.5, 1.0])
+    close(points, [[110, 200], [115, 200], [120, 200]])
+    close(tangents, [[1, 0]] * 3)
+    close(normals, [[0, 1]] * 3)
+    # Across a knot the curve is smooth: (1, 4, 1) / 6 of the control points from both sides.
+    bent = curves[1004]["right"]["brow_1"]
+    close(wrinkles_2d.evaluate(bent, [1.0])[0], [(bent["controls"][1:4] * np.array([[1], [4], [1]])).sum(0) / 6])
+    close(wrinkles_2d.evaluate(bent, [1 - 1e-15])[0], wrinkles_2d.evaluate(bent, [1.0])[0])
+    header, frames = sections.read(FIXTURES / "sections-1/sections.jsonl")
+    measured = frames[1002]["right"]["brow_1"]
+    assert measured["state"].tolist() == ["measured", "flat"] and len(frames[1001]["right"]["brow_1"]["u"]) == 0
+    close(measured["deviation"], [[0.25, 0.125], [np.nan] * 2])
+    close(measured["tilt_rad"], [0.5, np.nan])
+    close(sections.height([-6, 0, 6, 12], 6, 3), [0, -3, 0, 3 * np.exp(-2)])
+    close(sections.height([-5, 0, 15], 10, 3, 0.25, 0.5), [0, -3, 0])
+    _, frames = valleys.read(FIXTURES / "valleys-1/valleys.jsonl")
+    close(frames[1002]["brow_1"]["at_mm"], [[5, 2.5, -0.5], [7.5, 2.5, -0.25]])
+    assert frames[1001] == {} and frames[1004]["brow_2"] == {}
+    _, frames, sequence = large_scale.read(FIXTURES / "wrinkled-1/wrinkled.json")
+    assert frames.tolist() == [1001, 1002, 1004]
+    close(sequence[:, 4, 2], [1, 1.5, 2])
 
 
 def check_meshes():
@@ -107,7 +162,11 @@ def check_formats_of_others():
 
 
 def check_commands():
-    inputs = {"take": "take-1/take.json", "trajectories_3d": "trajectories-3d-1/trajectories-3d.jsonl",
+    inputs = {"take": "take-2/take.json", "cameras": "cameras-1/cameras.json",
+              "sync": "sync-1/sync.jsonl", "frames": "frames-1/frames.json", "labels": "labels-1/labels.json",
+              "tracks_2d": "tracks-2d-1/tracks-2d.jsonl", "wrinkles_2d": "wrinkles-2d-1/wrinkles-2d.jsonl",
+              "sections": "sections-1/sections.jsonl", "valleys": "valleys-1/valleys.jsonl",
+              "trajectories_3d": "trajectories-3d-1/trajectories-3d.jsonl",
               "head_pose": "head-pose-1/head-pose.jsonl", "correspondence": "correspondence-1/correspondence.json",
               "warp": "warp-1/warp.json", "handles": "handles-1/handles.jsonl",
               "vertex_set": "vertex-set-1/vertex-set.json", "vertex_map": "vertex-map-1/vertex-map.json",
@@ -128,6 +187,7 @@ def check_commands():
 
 
 if __name__ == "__main__":
-    for check in (check_static, check_frames, check_meshes, check_formats_of_others, check_commands):
+    for check in (check_static, check_frames, check_capture, check_wrinkles, check_meshes, check_formats_of_others,
+                  check_commands):
         check()
         print(f"ok: {check.__name__.replace('_', ' ')}")

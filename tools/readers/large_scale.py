@@ -1,4 +1,4 @@
-"""Reads an animated mesh (large-scale/1): the index and the PC2 vertex cache beside it."""
+"""Reads an animated mesh (large-scale/1, wrinkled/1): the index and the PC2 vertex cache beside it."""
 import json
 import pathlib
 import sys
@@ -12,8 +12,8 @@ def read(path):
     """(index, frames: #F, positions: #F x #V x 3 in mm, mapped from the file as they are used where it is in mm)."""
     path = pathlib.Path(path)
     artifact = json.loads(path.read_text(encoding="utf-8"))
-    if artifact["schema"] != "large-scale/1":
-        raise ValueError(f"{path}: holds {artifact['schema']}, not large-scale/1")
+    if artifact["schema"] not in ("large-scale/1", "wrinkled/1"):
+        raise ValueError(f"{path}: holds {artifact['schema']}, not large-scale/1 or wrinkled/1")
     index = artifact["data"]
     shape = (len(index["frames"]), index["mesh"]["vertex_count"], 3)
     cache = path.with_name(index["cache"])

@@ -170,7 +170,8 @@ impl From<RigCamera> for CameraFile {
     fn from(rig: RigCamera) -> Self {
         let Camera { image_size, lens, cam_from_world } = rig.camera;
         let BrownConrady { k1, k2, p1, p2, k3 } = lens.distortion;
-        let rows = cam_from_world.rotation.to_rotation_matrix().into_inner().transpose();
+        // + 0.0: no row says -0.0. A matrix is stored by columns, so the transposed one lists the rows.
+        let rows = cam_from_world.rotation.to_rotation_matrix().into_inner().transpose().add_scalar(0.0);
         Self {
             image_size,
             focal_px: lens.focal_px.into(),

@@ -151,6 +151,13 @@ pub fn read_document<T: Document>(path: &Path) -> Result<T> {
     Ok(document)
 }
 
+/// The kind that a static artifact says it is; none where it says nothing that can be read.
+pub(crate) fn document_kind(path: &Path) -> Result<Option<String>> {
+    let text = read_utf8(path)?;
+    let opened = serde_json::from_str(text.strip_prefix('\u{feff}').unwrap_or(&text));
+    Ok(opened.ok().and_then(|SchemaOnly { schema }| Some(schema.split_once('/')?.0.to_string())))
+}
+
 /// Writes a static artifact.
 ///
 /// # Errors

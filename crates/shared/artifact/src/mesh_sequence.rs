@@ -1,7 +1,8 @@
-//! An animated mesh, read frame by frame: a `large-scale` index with its cache, or a bare PC2 cache.
+//! An animated mesh, read frame by frame: a `large-scale` or `wrinkled` index with its cache, or a bare PC2 cache.
 
+use crate::envelope::document_kind;
 use crate::source::ending;
-use crate::{Error, LargeScale, MeshRef, Result, SequenceForm, Unit, pc2, read_document};
+use crate::{Error, Kind, LargeScale, MeshRef, Result, SequenceForm, Unit, Wrinkled, pc2, read_document};
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +46,7 @@ impl MeshSequence {
     }
 
     fn indexed(path: &Path, unit: Option<Unit>) -> Result<Self> {
-        let index: LargeScale = read_document(path)?;
+        let index = read_index(path)?;
         let stated = index.mesh.unit;
         if let Some(unit) = unit.filter(|&unit| unit != stated) {
             return Err(Error::new(path, format!("was made with its mesh in {stated}, not in {unit}"))
@@ -125,6 +126,14 @@ impl MeshSequence {
     /// If the cache cannot be read.
     pub fn cursor(&self) -> Result<MeshCursor<'_>> {
         Ok(MeshCursor { sequence: self, reader: pc2::Reader::open(&self.cache)?, next: 0 })
+    }
+}
+
+/// The index of a sequence of either kind.
+fn read_index(path: &Path) -> Result<LargeScale> {
+    match document_kind(path)?.as_deref() {
+        Some(Wrinkled::NAME) => Ok(read_document::<Wrinkled>(path)?.0),
+        _ => read_document(path),
     }
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The kind of time bases.
-pub struct Sync;
+pub struct TimeBase;
 
 /// What holds for all frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -89,12 +89,12 @@ pub struct Shown {
     pub doubled: bool,
 }
 
-impl Kind for Sync {
+impl Kind for TimeBase {
     const NAME: &'static str = "sync";
     const VERSION: u32 = 1;
 }
 
-impl Stream for Sync {
+impl Stream for TimeBase {
     type Header = SyncHeader;
     type Frame = SyncFrame;
     type Line = SyncFrame;

@@ -110,6 +110,7 @@ impl Stream for Tracks2d {
     }
 
     fn encode(header: &Tracks2dHeader, frame: &Tracks2dFrame) -> Result<Tracks2dLine, Violation> {
+        check_shape(header, frame)?;
         let mut line = Tracks2dLine {
             frame: frame.frame,
             points: PerCamera::new(),
@@ -153,6 +154,21 @@ impl Stream for Tracks2d {
     fn number(frame: &Tracks2dFrame) -> i64 {
         frame.frame
     }
+}
+
+/// Refuses a frame whose cameras or markers are not those of the header.
+fn check_shape(header: &Tracks2dHeader, frame: &Tracks2dFrame) -> Result<(), Violation> {
+    let refuse = |place: &str, what: &str, [found, wanted]: [usize; 2]| match found == wanted {
+        true => Ok(()),
+        false => Err(Violation::new(place, format!("holds {found} {what}, the header names {wanted}"))),
+    };
+    let place = format!("frame {}", frame.frame);
+    refuse(&place, "cameras", [frame.cameras.len(), header.cameras.len()])?;
+    for (camera, samples) in header.cameras.iter().zip(&frame.cameras) {
+        let count = samples.as_ref().map_or(header.markers.len(), Vec::len);
+        refuse(&format!("{place}, camera {camera}"), "markers", [count, header.markers.len()])?;
+    }
+    Ok(())
 }
 
 /// Adds a camera's entries where there are any.

@@ -52,7 +52,7 @@ pub struct ValleysFrame {
 pub struct ValleyPoint {
     /// Place along the valley, mm of the rest mesh's surface; rising.
     pub x_mm: f64,
-    /// Triangle of the rest mesh (polygons cut into fans, in their order), 0-based …
+    /// Triangle of the rest mesh, as `Mesh::triangles` counts them (each polygon a fan from its first corner), 0-based …
     pub face: u32,
     /// … and where in it, by the shares of its three corners.
     pub barycentric: [f64; 3],

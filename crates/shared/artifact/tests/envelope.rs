@@ -8,28 +8,15 @@ use artifact::{
     Correspondence, FrameReader, FrameWriter, Handle, HandleFrame, Handles, HandlesHeader, HeadPose,
     HeadPoseFrame, HeadPoseHeader, HeadTrajectories, Interpolant, LargeScale, MarkerFrame, MarkerHeader,
     Pair, Rate, ResponseBasis, SampleStatus, Take, Trajectories, Trajectories3d, Unit, VertexMapping,
-    VertexSet, Warp, read_document, write_document,
+    VertexSet, Warp, read_document,
 };
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use std::path::Path;
-use support::{Place, file_ref, fixture, mesh_ref, refusal, says};
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(fixture(path)).unwrap()
-}
-
-/// What the reader of documents says about a text.
-fn document_refusal<T: artifact::Document>(text: &str) -> String {
-    refusal(read_document::<T>(&Place::new().file("a.json", text)))
-}
-
-/// What the reader of frames says, sooner or later.
-fn stream_refusal<S: artifact::Stream>(text: &str) -> String {
-    let place = Place::new();
-    let path = place.file("a.jsonl", text);
-    refusal(FrameReader::<S>::open(&path).and_then(|reader| reader.collect::<artifact::Result<Vec<_>>>()))
-}
+use support::{
+    Place, any_number, document_refusal, file_ref, fixture, frame_refusal, mesh_ref, refusal, says,
+    stream_refusal, text, written_refusal,
+};
 
 #[test]
 fn another_kind_is_refused_by_name() {
@@ -220,24 +207,6 @@ fn handle_frame(frame: i64, x: f64, weight: f64) -> HandleFrame {
     }
 }
 
-/// What a writer of frames says about a frame.
-fn frame_refusal<S: artifact::Stream>(header: S::Header, frame: &S::Frame) -> String {
-    let place = Place::new();
-    let mut writer = FrameWriter::<S>::create(&place.path("a.jsonl"), header).unwrap();
-    let message = refusal(writer.write(frame));
-    drop(writer);
-    assert!(place.names().is_empty(), "{:?}", place.names());
-    message
-}
-
-/// What the writer of documents says about a document.
-fn written_refusal<T: artifact::Document>(document: &T) -> String {
-    let place = Place::new();
-    let message = refusal(write_document(&place.path("a.json"), document));
-    assert!(place.names().is_empty());
-    message
-}
-
 #[test]
 fn writers_of_frames_refuse_numbers_that_are_not_finite() {
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -380,11 +349,6 @@ fn references_name_what_differs() {
     let other = artifact::FileRef { sha256: artifact::sha256_of(b"other"), ..file_ref() };
     let other = artifact::MeshRef { file: other, ..this.clone() };
     says(&this.mismatch(&other).unwrap(), &["was made for mesh scan.obj (sha256 ", "not for scan.obj"]);
-}
-
-fn any_number() -> impl Strategy<Value = f64> {
-    use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
-    NORMAL | SUBNORMAL | ZERO | POSITIVE | NEGATIVE
 }
 
 proptest! {

@@ -1,6 +1,6 @@
-//! OBJ numbers survive a change of unit; PNG pictures come in as shares of white.
+//! OBJ numbers survive a change of unit.
 
-use artifact::{FrameRange, Unit, obj, picture};
+use artifact::{FrameRange, Unit, obj};
 use std::path::Path;
 
 const SCAN: &str = "v 0.031877 -0.418213 0.309246\nv 0.1 0.2 0.3\nv -0.000054 1e-7 7.123456\nf 1 2 3\n";
@@ -34,21 +34,4 @@ fn a_range_of_frames_is_shown_as_it_is_typed() {
         assert_eq!(text.parse::<FrameRange>().map(|range| range.to_string()), Ok(text.to_string()));
     }
     assert_eq!(FrameRange::ALL.to_string(), "all");
-}
-
-#[test]
-fn a_picture_is_read_as_shares_of_white() {
-    let folder = tempfile::TempDir::new().expect("a folder");
-    let path = folder.path().join("mask.png");
-    let picture = image::GrayImage::from_raw(2, 1, vec![0, 51]).expect("two pixels");
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Png).expect("a PNG");
-    let write = |bytes: &[u8]| artifact::stage_bytes(&path, bytes).and_then(artifact::Staged::publish);
-    write(bytes.get_ref()).expect("written");
-    let gray = picture::read_gray(&path).expect("read");
-    assert_eq!((gray.width, gray.height), (2, 1));
-    assert!(gray.pixels[0] == 0.0 && (gray.pixels[1] - 0.2).abs() < 1e-4);
-    write(&bytes.get_ref()[..40]).expect("cut");
-    let error = picture::read_gray(&path).expect_err("a cut picture").to_string();
-    assert!(error.contains("mask.png") && error.contains("PNG"), "{error}");
 }
