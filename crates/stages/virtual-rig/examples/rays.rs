@@ -92,14 +92,18 @@ fn one_by_one(scene: &Scene, rays: &[[[f32; 3]; 2]]) -> Vec<u8> {
 }
 
 /// The library's wide compressed tree.
-fn cwbvh(positions: &[Point3<f64>], triangles: &[[u32; 3]], scene: &Scene, rays: &[[[f32; 3]; 2]]) -> Duration {
+fn cwbvh(
+    positions: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    scene: &Scene,
+    rays: &[[[f32; 3]; 2]],
+) -> Duration {
     let corner = |vertex: u32| local(scene, &positions[vertex as usize]).into();
-    let list: Vec<Triangle> = triangles
-        .iter()
-        .map(|&[a, b, c]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) })
-        .collect();
+    let list: Vec<Triangle> =
+        triangles.iter().map(|&[a, b, c]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) }).collect();
     let bvh = build_cwbvh_from_tris(&list, BvhBuildParams::medium_build(), &mut Duration::default());
-    let list: Vec<RtTriangle> = bvh.primitive_indices.iter().map(|&id| RtTriangle::from(&list[id as usize])).collect();
+    let list: Vec<RtTriangle> =
+        bvh.primitive_indices.iter().map(|&id| RtTriangle::from(&list[id as usize])).collect();
     let start = Instant::now();
     let hits = rays
         .iter()
@@ -140,7 +144,9 @@ fn write_folder(
     occluded: &[u8],
 ) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    let floats = |rows: &mut dyn Iterator<Item = [f32; 3]>| rows.flatten().flat_map(f32::to_le_bytes).collect::<Vec<u8>>();
+    let floats = |rows: &mut dyn Iterator<Item = [f32; 3]>| {
+        rows.flatten().flat_map(f32::to_le_bytes).collect::<Vec<u8>>()
+    };
     let vertices = floats(&mut positions.iter().map(|point| local(scene, point)));
     write_npy(&folder.join("vertices.npy"), "<f4", &[positions.len(), 3], &vertices)?;
     let corners: Vec<u8> = triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();

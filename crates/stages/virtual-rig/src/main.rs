@@ -1,3 +1,9 @@
 //! `virtual-rig`: arguments → read → call → write.
 
-fn main() {}
+mod commands;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    stage::run::<commands::Arguments>(commands::run)
+}

@@ -166,7 +166,9 @@ impl Scenario {
         for (id, camera) in &self.cameras {
             camera.check(id)?;
         }
-        if let Some(paint) = self.lines.paints.iter().find(|&paint| !self.paint.stroke_colors.contains_key(paint)) {
+        if let Some(paint) =
+            self.lines.paints.iter().find(|&paint| !self.paint.stroke_colors.contains_key(paint))
+        {
             let what = format!("the colour {paint} of lines.paints is not among them");
             return Err(Error::parameter("paint.stroke_colors", what));
         }
@@ -220,7 +222,8 @@ impl Scenario {
     /// The sum of the amounts of a fault for a camera, if it has any.
     #[must_use]
     pub fn fault(&self, kind: FaultKind, camera: &str) -> Option<f64> {
-        let mut amounts = self.faults.iter().filter(|fault| fault.kind == kind && fault.hits(camera)).peekable();
+        let mut amounts =
+            self.faults.iter().filter(|fault| fault.kind == kind && fault.hits(camera)).peekable();
         amounts.peek().is_some().then(|| amounts.map(|fault| fault.amount).sum())
     }
 }

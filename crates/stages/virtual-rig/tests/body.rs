@@ -189,7 +189,9 @@ fn no_expression_turns_a_triangle_over() {
             let slivers = sliver_share(&body, &deformed);
             if fold < 0.0 || turn < -0.2 || slivers > 1e-3 {
                 let [fold, turn] = [fold, turn].map(|cos| cos.acos().to_degrees());
-                faults.push(format!("{seed}, {active:?}: fold {fold:.0}°, turn {turn:.0}°, slivers {slivers:.1e}"));
+                faults.push(format!(
+                    "{seed}, {active:?}: fold {fold:.0}°, turn {turn:.0}°, slivers {slivers:.1e}"
+                ));
             }
         }
     }

@@ -23,7 +23,12 @@ impl Base {
     pub fn body(self, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Body {
         match self {
             Self::Scan(Scan { mesh, domain, albedo, face_from_canonical, .. }) => {
-                let finer = Finer::of(Points { mesh, domain, albedo, offsets: Vec::new() }, vertex_count, near, near_mm);
+                let finer = Finer::of(
+                    Points { mesh, domain, albedo, offsets: Vec::new() },
+                    vertex_count,
+                    near,
+                    near_mm,
+                );
                 let Points { mesh, domain, albedo, .. } = finer;
                 Body::from_muscles(mesh, domain, albedo, face_from_canonical)
             }

@@ -29,8 +29,9 @@ impl<'a> Palette<'a> {
             Vec::with_capacity(scene.solids().map(|solid| solid.moment.open.len()).sum());
         for solid in scene.solids() {
             let lights = solid.moment.irradiance.par_iter().with_min_len(8192);
-            radiance
-                .par_extend(lights.zip(solid.skin.albedo).map(|(light, albedo)| [0, 1, 2].map(|c| albedo[c] * light[c])));
+            radiance.par_extend(
+                lights.zip(solid.skin.albedo).map(|(light, albedo)| [0, 1, 2].map(|c| albedo[c] * light[c])),
+            );
         }
         if let Some(gloss) = &film.gloss {
             add_gloss(gloss, &scene.face, camera, &mut radiance);

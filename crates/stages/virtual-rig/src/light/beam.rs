@@ -30,7 +30,13 @@ pub(super) struct Heading {
 impl Heading {
     pub(super) fn new(direction: [f32; 3]) -> Self {
         let [x, y, z] = direction.map(f32::abs);
-        let last = if x >= y && x >= z { 0 } else if y >= z { 1 } else { 2 };
+        let last = if x >= y && x >= z {
+            0
+        } else if y >= z {
+            1
+        } else {
+            2
+        };
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
         // A component of 0 would make 0 · ∞ where a ray runs in a box's face.
         let inverse = direction.map(|d| 1.0 / if d.abs() < 1e-18 { 1e-18_f32.copysign(d) } else { d });
@@ -110,7 +116,8 @@ impl<'a> Beam<'a> {
     pub(super) fn enters_first(&self, boxes: &[[[f32; 3]; 2]; 2]) -> usize {
         let mut ahead = 0.0;
         for axis in 0..3 {
-            let [left, right] = [boxes[0][0][axis] + boxes[0][1][axis], boxes[1][0][axis] + boxes[1][1][axis]];
+            let [left, right] =
+                [boxes[0][0][axis] + boxes[0][1][axis], boxes[1][0][axis] + boxes[1][1][axis]];
             ahead += self.heading.direction[axis] * (left - right);
         }
         usize::from(ahead > 0.0)

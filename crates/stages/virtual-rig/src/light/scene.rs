@@ -40,29 +40,31 @@ impl Scene {
     #[must_use]
     pub fn build(positions: &[Point3<f64>], triangles: &[[u32; 3]], occluders: &[Occluder<'_>]) -> Self {
         let meshes = || std::iter::once((positions, triangles)).chain(occluders.iter().copied());
-        let (low, high) = meshes().flat_map(|(points, _)| points).fold(
-            (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN)),
-            |(low, high), point| (low.inf(&point.coords), high.sup(&point.coords)),
-        );
+        let (low, high) = meshes()
+            .flat_map(|(points, _)| points)
+            .fold((Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN)), |(low, high), point| {
+                (low.inf(&point.coords), high.sup(&point.coords))
+            });
         let empty = low.x > high.x;
         let center = if empty { Vector3::zeros() } else { (low + high) / 2.0 };
         let radius = if empty { 0.0 } else { (high - low).amax() / 2.0 };
         let corners: Vec<[[f32; 3]; 3]> = meshes()
             .flat_map(|(points, triangles)| triangles.iter().map(move |triangle| (points, triangle)))
-            .map(|(points, triangle)| triangle.map(|vertex| single(&(points[vertex as usize].coords - center))))
+            .map(|(points, triangle)| {
+                triangle.map(|vertex| single(&(points[vertex as usize].coords - center)))
+            })
             .collect();
         Self::over(&corners, center, radius)
     }
 
     fn over(corners: &[[[f32; 3]; 3]], center: Vector3<f64>, radius: f64) -> Self {
-        let triangles: Vec<Triangle> = corners
-            .iter()
-            .map(|&[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() })
-            .collect();
+        let triangles: Vec<Triangle> =
+            corners.iter().map(|&[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect();
         let bvh = build_bvh2_from_tris(&triangles, build_params(), &mut std::time::Duration::default());
         let margin = 4.0 * f32::EPSILON * radius as f32;
         let tree = Tree::new(&bvh, corners, margin);
-        let triangles = bvh.primitive_indices.iter().map(|&id| RtTriangle::from(&triangles[id as usize])).collect();
+        let triangles =
+            bvh.primitive_indices.iter().map(|&id| RtTriangle::from(&triangles[id as usize])).collect();
         Self { center, bvh, triangles, tree }
     }
 

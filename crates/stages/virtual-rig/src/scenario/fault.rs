@@ -98,7 +98,8 @@ impl Fault {
         if range.contains(&self.amount) {
             return Ok(());
         }
-        let name = FaultKind::ALL.iter().find(|(kind, ..)| *kind == self.kind).map_or("fault", |(_, name, _)| name);
+        let name =
+            FaultKind::ALL.iter().find(|(kind, ..)| *kind == self.kind).map_or("fault", |(_, name, _)| name);
         Err(Error::parameter(place, format!("{name}={} is out of range: say {what}", self.amount)))
     }
 

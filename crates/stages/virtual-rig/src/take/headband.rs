@@ -3,16 +3,15 @@
 use crate::body::Body;
 use crate::scenario::Scenario;
 use crate::take::shapes::{ball, strip};
-use mesh::{Mesh, vertex_normals};
+use mesh::Mesh;
 use nalgebra::{Point3, Vector3};
 
 /// A headband with blue balls.
-pub struct Headband {
+pub(super) struct Headband {
     balls: Vec<(String, Point3<f64>)>,
     /// Band and balls, in the space of the resting face, with their reflectance.
     pub(super) mesh: Mesh,
     pub(super) albedo: Vec<[f32; 3]>,
-    pub(super) normals: Vec<Vector3<f64>>,
 }
 
 /// Radius of a ball, mm.
@@ -37,7 +36,8 @@ impl Headband {
             add(ball(center, BALL_MM), scenario.paint.dot_color);
         }
         // The band runs behind the balls, so that nothing of them sinks into it.
-        let middle = balls.iter().fold(Vector3::zeros(), |sum, (_, at)| sum + at.coords) / balls.len().max(1) as f64;
+        let middle =
+            balls.iter().fold(Vector3::zeros(), |sum, (_, at)| sum + at.coords) / balls.len().max(1) as f64;
         let behind = |at: &Point3<f64>| {
             let mut out = at.coords - middle;
             out.y = 0.0;
@@ -47,8 +47,7 @@ impl Headband {
         let line: Vec<Point3<f64>> = balls.iter().map(|(_, at)| behind(at)).collect();
         add(strip(&line, BAND_MM), BAND_ALBEDO);
         let mesh = Mesh::from_triangles(points, &triangles);
-        let normals = vertex_normals(&mesh.positions, &triangles);
-        Self { balls, mesh, albedo, normals }
+        Self { balls, mesh, albedo }
     }
 
     /// Ids of the balls.

@@ -58,20 +58,21 @@ const WRINKLE_DIRECTIONS: [[f64; 2]; 2] = [[-22.0, 3.0], [22.0, 3.0]];
 #[must_use]
 pub fn paper_rig(seed: u64) -> BTreeMap<String, Placement> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x0c0a_11e7);
-    let mut place = |role, image_size, [azimuth_deg, elevation_deg]: [f64; 2], focal_px, distance_mm, target_mm| {
-        let mut vary = |middle: f64, range: f64| middle + range * rng.random_range(-1.0..1.0);
-        Placement {
-            role,
-            image_size,
-            focal_px: vary(focal_px, 0.01 * focal_px),
-            distance_mm: vary(distance_mm, 15.0),
-            azimuth_deg: vary(azimuth_deg, 1.5),
-            elevation_deg: vary(elevation_deg, 1.5),
-            roll_deg: vary(0.0, 2.0),
-            target_mm,
-            distortion: [vary(-0.12, 0.03), vary(0.08, 0.03), vary(0.0, 4e-4), vary(0.0, 4e-4), 0.0],
-        }
-    };
+    let mut place =
+        |role, image_size, [azimuth_deg, elevation_deg]: [f64; 2], focal_px, distance_mm, target_mm| {
+            let mut vary = |middle: f64, range: f64| middle + range * rng.random_range(-1.0..1.0);
+            Placement {
+                role,
+                image_size,
+                focal_px: vary(focal_px, 0.01 * focal_px),
+                distance_mm: vary(distance_mm, 15.0),
+                azimuth_deg: vary(azimuth_deg, 1.5),
+                elevation_deg: vary(elevation_deg, 1.5),
+                roll_deg: vary(0.0, 2.0),
+                target_mm,
+                distortion: [vary(-0.12, 0.03), vary(0.08, 0.03), vary(0.0, 4e-4), vary(0.0, 4e-4), 0.0],
+            }
+        };
     let mut rig = BTreeMap::new();
     for (i, direction) in MOCAP_DIRECTIONS.into_iter().enumerate() {
         let camera = place(Role::Mocap, MOCAP_SIZE, direction, 1230.0, 720.0, [0.0, 12.0, 45.0]);
@@ -121,11 +122,8 @@ impl Placement {
     #[must_use]
     pub fn camera(&self, world_from_face: &Isometry3<f64>) -> Camera {
         let (azimuth, elevation) = (self.azimuth_deg.to_radians(), self.elevation_deg.to_radians());
-        let towards = Vector3::new(
-            azimuth.sin() * elevation.cos(),
-            elevation.sin(),
-            azimuth.cos() * elevation.cos(),
-        );
+        let towards =
+            Vector3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
         let target = Point3::from(self.target_mm);
         let upright = Camera::pose_looking_at(
             world_from_face * (target + towards * self.distance_mm),

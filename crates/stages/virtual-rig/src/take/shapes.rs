@@ -51,7 +51,8 @@ mod tests {
         let center = Point3::new(1.0, 2.0, 3.0);
         let (points, triangles) = ball(&center, 2.0);
         assert!(points.iter().all(|point| ((point - center).norm() - 2.0).abs() < 1e-12));
-        for [a, b, c] in triangles.into_iter().map(|triangle| triangle.map(|corner| points[corner as usize])) {
+        for [a, b, c] in triangles.into_iter().map(|triangle| triangle.map(|corner| points[corner as usize]))
+        {
             assert!((b - a).cross(&(c - a)).dot(&(a - center)) > 0.0);
         }
     }

@@ -96,7 +96,13 @@ impl Studio {
     ///
     /// # Errors
     /// [`Error::Parameter`] if the sensor's parameters make no sense.
-    pub fn develop(&self, exposure: &Exposure, station: &Station, shot: i64, time_s: f64) -> Result<Vec<u8>, Error> {
+    pub fn develop(
+        &self,
+        exposure: &Exposure,
+        station: &Station,
+        shot: i64,
+        time_s: f64,
+    ) -> Result<Vec<u8>, Error> {
         let drift = 1.0 + self.scenario.gain_drift * (TAU * time_s / GAIN_PERIOD_S).sin();
         let flash = if self.is_flash(time_s) { FLASH } else { 1.0 };
         let sensor = film::Sensor { gain: station.sensor.gain * drift * flash, ..station.sensor.clone() };
@@ -118,7 +124,8 @@ impl Studio {
             let at = |time_s: f64| self.in_world(&mesh.positions, &self.world_from_head(time_s));
             Piece::moving(mesh.triangles(), albedo.to_vec(), at, time_s, exposure_s)
         };
-        let mut pieces: Vec<Piece> = self.body.props.iter().map(|prop| fixed(&prop.mesh, &prop.albedo)).collect();
+        let mut pieces: Vec<Piece> =
+            self.body.props.iter().map(|prop| fixed(&prop.mesh, &prop.albedo)).collect();
         pieces.push(fixed(&self.headband.mesh, &self.headband.albedo));
         let hands = &self.scenario.hands;
         let count = hands.centers(self.scenario.seed, time_s).len();

@@ -1,5 +1,6 @@
 //! Everything that stays the same over a take: the face, its paint, the cameras, the light at rest.
 
+use crate::Error;
 use crate::act::{Clip, Performance};
 use crate::body::{Base, Body};
 use crate::light::{self, Plan};
@@ -8,10 +9,8 @@ use crate::scenario::{self, Scenario};
 use crate::take::headband::Headband;
 use crate::take::station::{Station, stations};
 use crate::wrinkle::{self, Wrinkles};
-use crate::Error;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use mesh::vertex_normals;
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point2, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -63,7 +62,8 @@ impl Studio {
         let wrinkles = Wrinkles::place(rest, &body.triangles, &body.domain, &lines, &scenario.folds)?;
         let normals = vertex_normals(rest, &body.triangles);
         let strokes = strokes(&scenario, &wrinkles);
-        let layers = Layers::build(rest, &normals, &body.triangles, dots(&scenario, &body, &normals), strokes);
+        let layers =
+            Layers::build(rest, &normals, &body.triangles, dots(&scenario, &body, &normals), strokes);
         let (performance, events) = perform(&scenario, &body, given.clip)?;
         let headband = Headband::of(&body, &scenario);
         let stations = stations(&scenario, &body)?;
@@ -122,9 +122,10 @@ fn perform(
         }
         (scenario::Performance::Events(timeline), None) => timeline.bind(shapes),
         (scenario::Performance::Recording(params), Some(clip)) => clip.bind(params, shapes),
-        (scenario::Performance::Recording(_), None) => {
-            Err(Error::parameter("performance", "is a recording, but no recorded weights are given beside the scenario"))
-        }
+        (scenario::Performance::Recording(_), None) => Err(Error::parameter(
+            "performance",
+            "is a recording, but no recorded weights are given beside the scenario",
+        )),
         (_, Some(_)) => {
             Err(Error::parameter("performance", "recorded weights are given, so it must be a recording"))
         }
@@ -257,14 +258,4 @@ fn light_at_rest(
     let ambient = light::Ambient { gradient: gradient.into(), ..scenario.light.clone() };
     let baked = light::shade(&scene, &surface, &Plan::new(&none, &body.triangles), &body.albedo, &ambient);
     (Plan::new(&close, &body.triangles).with_baked(baked.clone()), baked)
-}
-
-/// The vertex nearest to each point.
-pub(super) fn nearest_vertices(positions: &[Point3<f64>], points: &[Point3<f64>]) -> Vec<u32> {
-    let all: Vec<[f64; 3]> = positions.iter().map(|point| (*point).into()).collect();
-    let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&all) else { return vec![0; points.len()] };
-    let nearest = |point: &Point3<f64>| {
-        tree.query(&(*point).into()).nearest_one::<SquaredEuclidean<f64>>().execute().item as u32
-    };
-    points.iter().map(nearest).collect()
 }

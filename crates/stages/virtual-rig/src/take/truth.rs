@@ -74,11 +74,14 @@ impl Studio {
         camera: &Camera,
         sees: &impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
     ) -> Vec<Seen> {
-        let world = |point: Point3<f64>| set.pose.world_from_head * self.scenario.spaces.mocap_from_face(point);
+        let world =
+            |point: Point3<f64>| set.pose.world_from_head * self.scenario.spaces.mocap_from_face(point);
         let mut line: Vec<Seen> = Vec::new();
         for point in points {
             let bottom = world(point.at);
-            let Some(pixel) = camera.project(&bottom).filter(|pixel| camera.contains(*pixel)) else { continue };
+            let Some(pixel) = camera.project(&bottom).filter(|pixel| camera.contains(*pixel)) else {
+                continue;
+            };
             // A deep valley hides its own bottom before it hides its rim: the rim decides.
             let rim = world(point.surface_point);
             let is_seen = camera.project(&rim).is_some_and(|at| camera.contains(at) && sees(&rim, at));
@@ -86,7 +89,8 @@ impl Studio {
                 continue;
             }
             // The width is a length on the surface: half of what lies between the crossings on both sides.
-            let side = |sign: f64| camera.project(&world(point.surface_point + point.across * (sign * point.w_mm)));
+            let side =
+                |sign: f64| camera.project(&world(point.surface_point + point.across * (sign * point.w_mm)));
             let (Some(left), Some(right)) = (side(-1.0), side(1.0)) else { continue };
             let width = 0.5 * (right - left);
             line.push(Seen { pixel, section: section(point, pixel, width) });
@@ -103,8 +107,9 @@ impl Studio {
     pub fn markers_in_world(&self, set: &Set) -> Vec<Point3<f64>> {
         let Some(station) = self.stations.values().next() else { return Vec::new() };
         let dots = self.layers.dot_samples().iter();
-        let mut markers: Vec<Point3<f64>> =
-            dots.map(|dot| dot.view(&set.skin_in_world, &station.camera, |_, _| true).center_in_world).collect();
+        let mut markers: Vec<Point3<f64>> = dots
+            .map(|dot| dot.view(&set.skin_in_world, &station.camera, |_, _| true).center_in_world)
+            .collect();
         let balls: Vec<Point3<f64>> = self.headband.centers().collect();
         markers.extend(self.in_world(&balls, &set.pose.world_from_head));
         markers

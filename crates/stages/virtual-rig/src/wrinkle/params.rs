@@ -130,7 +130,7 @@ impl Default for Style {
             nasolabial: true,
             width: 1.0,
             variation: 1.0,
-            paints: vec!["green".to_string(), "red".to_string()],
+            paints: vec!["green".to_string(), "violet".to_string()],
         }
     }
 }
