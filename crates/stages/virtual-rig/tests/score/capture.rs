@@ -255,7 +255,6 @@ fn cameras_planted_errors_are_recovered() {
     let metrics = score::cameras(&truth, &result, &markers, None).unwrap();
     assert_recovered(&metrics, "angle_deg", 0.3);
     assert!(value(&metrics, "position_mm") < 0.01, "{}", value(&metrics, "position_mm"));
-    assert!(value(&metrics, "marker_mm") > 0.01);
 
     let mut result = truth.clone();
     let camera = &mut result.cameras.get_mut("m6").unwrap().camera;
