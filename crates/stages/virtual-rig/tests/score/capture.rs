@@ -132,13 +132,16 @@ fn trajectories_filled_samples_are_scored_apart_and_lost_ones_counted() {
 
 #[test]
 fn coverage_asks_only_for_what_two_cameras_saw() {
-    let truth = score::seen_by_two(&markers(), |frame, marker| {
-        usize::from(marker != "p07" || frame < FIRST + 10) * 2
-    });
+    let (header, mut seen) = tracks();
+    for frame in &mut seen[10..] {
+        frame.cameras[1..].iter_mut().flatten().for_each(|samples| hide(&mut samples[7], 0.3));
+    }
+    let truth = score::seen_by_two(&markers(), (&header, &seen));
     let mut result = markers();
     result.frames.iter_mut().skip(10).for_each(|frame| frame.points[7] = None);
     let metrics = score::trajectories_3d(&truth, &result).unwrap();
     assert_eq!(value(&metrics, "coverage"), 1.0);
+    assert_eq!(metric(&metrics, "coverage").context["measured"], 40 * 48 - 30);
 }
 
 #[test]
