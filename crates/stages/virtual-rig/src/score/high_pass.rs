@@ -66,7 +66,7 @@ mod tests {
                 [corner + 1, corner + count as u32 + 1, corner + count as u32],
             ]
         };
-        ((points), (0..(count as u32 - 1).pow(2)).flat_map(quad).collect())
+        (points, (0..(count as u32 - 1).pow(2)).flat_map(quad).collect())
     }
 
     #[test]

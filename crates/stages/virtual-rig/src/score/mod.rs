@@ -19,6 +19,7 @@
 //! ```
 
 mod align;
+mod bulge;
 mod cameras;
 mod error;
 mod grid;

@@ -2,8 +2,9 @@
 
 use super::same::{CommonFrames, check_ids, check_take};
 use super::spread::Pool;
+use super::tracks_2d::Tracks;
 use super::{Metric, ScoreError};
-use artifact::{MarkerFrame, MarkerHeader, SampleStatus, Trajectories};
+use artifact::{MarkerFrame, MarkerHeader, Sample2d, SampleStatus, TrackState, Trajectories};
 use nalgebra::{Isometry3, Point3};
 use serde_json::{Map, Value, json};
 
@@ -37,13 +38,23 @@ pub fn head_trajectories(truth: &Trajectories, result: &Trajectories) -> Result<
     Ok(samples.metrics(&fitted, &context))
 }
 
-/// The truth without samples that fewer than two cameras could see: `cameras_seeing(frame, marker)` counts them.
+/// The truth without samples that fewer than two cameras see in the true tracks: nobody can triangulate those.
 #[must_use]
-pub fn seen_by_two(truth: &Trajectories, cameras_seeing: impl Fn(i64, &str) -> usize) -> Trajectories {
+pub fn seen_by_two(truth: &Trajectories, tracks: Tracks) -> Trajectories {
+    let (header, frames) = tracks;
+    let places: Vec<Option<usize>> =
+        truth.header.markers.iter().map(|id| header.markers.iter().position(|other| other == id)).collect();
+    let is_seen = |samples: &[Option<Sample2d>], place: usize| {
+        samples[place].is_some_and(|sample| sample.state == TrackState::Seen)
+    };
     let mut seen = truth.clone();
     for frame in &mut seen.frames {
-        for (marker, point) in truth.header.markers.iter().zip(&mut frame.points) {
-            if cameras_seeing(frame.frame, marker) < 2 {
+        let images = frames
+            .binary_search_by_key(&frame.frame, |frame| frame.frame)
+            .map_or(&[][..], |at| &frames[at].cameras);
+        for (place, point) in places.iter().zip(&mut frame.points) {
+            let sees = |place| images.iter().flatten().filter(|samples| is_seen(samples, place)).count();
+            if place.map_or(0, sees) < 2 {
                 *point = None;
             }
         }

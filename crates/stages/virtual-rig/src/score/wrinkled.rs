@@ -1,5 +1,6 @@
 //! `wrinkled` against the true surface with its wrinkles.
 
+use super::bulge;
 use super::high_pass::HighPass;
 use super::region::{distance_in_widths, foot};
 use super::same::{check_equal, check_take};
@@ -54,6 +55,9 @@ pub const OUTSIDE_WIDTHS: f64 = 7.0;
 ///   one where that is not known). `region_raw_rms_mm`, `region_raw_ratio`: the same without projection and filter.
 /// - `valley_depth_rel` (median), `valley_depth_p90`: the deepest vertex within w / 2 of a true valley point, below the true
 ///   large-scale surface along its normal, result against truth, over points with 0.15 ≤ d/w ≤ 0.8.
+/// - `bulge_height_rel`: between neighbouring valleys (no farther apart than four times the sum of their widths), the highest
+///   vertex beside the straight way from one to the other, above the true large-scale surface: relative error of the mean over all
+///   ways whose bulge is above it in the truth.
 /// - `outside_moved`: how far a vertex moved, mm, that is more than 7 w from every valley of the frame and that the truth leaves where it is.
 /// - `missing` frames.
 ///
@@ -110,6 +114,9 @@ struct Tally {
     raw: Histogram,
     raw_flat: Histogram,
     depth: Pool,
+    /// Heights of bulges in truth and result, summed, and how many.
+    bulges: [f64; 2],
+    bulge_count: usize,
     outside: Histogram,
     without_valleys: usize,
     own_large_scale: usize,
@@ -137,7 +144,16 @@ impl Tally {
             filter.apply(&along, &region).iter().for_each(|error| filtered.add(error.abs()));
             region.iter().for_each(|&vertex| raw.add((surface[vertex] - frame.truth[vertex]).norm()));
         }
-        self.add_depths(scene, frame, &normals, valleys);
+        let (truth, result) =
+            (heights(large, &frame.truth, &normals), heights(large, &frame.result, &normals));
+        self.add_depths(scene, large, [&truth, &result], valleys);
+        let crossings = bulge::crossings(large, scene.triangles, valleys);
+        for [truth, result] in bulge::heights(large, &crossings, [&truth, &result]) {
+            if truth > 0.0 {
+                self.bulges = [self.bulges[0] + truth, self.bulges[1] + result];
+                self.bulge_count += 1;
+            }
+        }
         if let Some(own) = &frame.result_large_scale {
             self.own_large_scale += 1;
             for vertex in (0..widths.len()).filter(|&vertex| widths[vertex].is_infinite()) {
@@ -151,18 +167,16 @@ impl Tally {
     fn add_depths(
         &mut self,
         scene: &WrinkledScene,
-        frame: &WrinkledFrame,
-        normals: &[Vector3<f64>],
+        large: &[Point3<f64>],
+        [truth, result]: [&[f64]; 2],
         valleys: &ValleysFrame,
     ) {
-        let large = &frame.truth_large_scale;
         let counts = |point: &&ValleyPoint| {
             point.d_mm > 0.0 && super::sections::RATIOS.contains(&(point.d_mm / point.w_mm))
         };
         let points: Vec<&ValleyPoint> = valleys.valleys.values().flatten().filter(counts).collect();
         let Some(widest) = points.iter().map(|point| point.w_mm).reduce(f64::max) else { return };
         let grid = super::grid::Grid::of(large, 0.5 * widest);
-        let (truth, result) = (heights(large, &frame.truth, normals), heights(large, &frame.result, normals));
         for point in points {
             let Some(center) = foot(large, scene.triangles, point) else { continue };
             let (mut true_depth, mut depth) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -198,6 +212,7 @@ impl Tally {
             Metric::error("region_raw_rms_mm", "mm", self.raw.rms(no_region)),
             Metric::error("valley_depth_rel", "ratio", self.depth.median(no_depth)),
             Metric::error("valley_depth_p90", "ratio", self.depth.percentile(0.9, no_depth)),
+            Metric::error("bulge_height_rel", "ratio", self.bulge_error()),
             Metric::error("outside_moved", "mm", self.outside_moved())
                 .with("outside_samples", self.outside.count),
         ]);
@@ -205,11 +220,19 @@ impl Tally {
             ("samples", self.distances.count),
             ("region_samples", self.region.count),
             ("depth_points", self.depth.len()),
+            ("bulges", self.bulge_count),
             ("frames_without_valleys", self.without_valleys),
         ];
         let with_counts =
             |metric: Metric| counts.iter().fold(metric, |metric, &(key, count)| metric.with(key, count));
         metrics.into_iter().map(with_counts).collect()
+    }
+
+    fn bulge_error(&self) -> Result<f64, String> {
+        match self.bulge_count {
+            0 => Err("no two open valleys of the truth are neighbours with a bulge between them".to_string()),
+            _ => Ok((self.bulges[1] / self.bulges[0] - 1.0).abs()),
+        }
     }
 
     fn outside_moved(&self) -> Result<f64, String> {

@@ -31,7 +31,13 @@ fn fold(x: f64) -> f64 {
     if p <= 5.0 { D * (p - 1.0) * (-p).exp() } else { 0.0 }
 }
 
+/// What a bulge rises between two valleys 6 mm apart, beside what both profiles do.
+fn bulge(x: f64) -> f64 {
+    0.2 * (-0.5 * (x - 33.0).powi(2)).exp()
+}
+
 struct Scene {
+    two: bool,
     rest: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
     normals: Vec<Vector3<f64>>,
@@ -66,7 +72,7 @@ impl Scene {
         let points: Vec<ValleyPoint> = (0..120).map(point).collect();
         let frame = |frame| ValleysFrame { frame, valleys: [("brow".to_string(), points.clone())].into() };
         let valleys = FRAMES.map(frame).into();
-        Self { rest, triangles, normals, header, valleys }
+        Self { two: false, rest, triangles, normals, header, valleys }
     }
 
     /// The sheet with heights added along its normals.
@@ -75,7 +81,26 @@ impl Scene {
     }
 
     fn truth(&self) -> Vec<Point3<f64>> {
-        self.raised(|point| fold(point.x))
+        self.raised(|point| self.height(point.x))
+    }
+
+    fn height(&self, x: f64) -> f64 {
+        if self.two { fold(x) + fold(x - 6.0) + bulge(x) } else { fold(x) }
+    }
+
+    /// With a second valley 6 mm beside the first.
+    fn with_neighbor() -> Self {
+        let mut scene = Self { two: true, ..Self::new() };
+        scene.header.wrinkles.push(Wrinkle { id: "eye".into(), paint: None });
+        for frame in &mut scene.valleys {
+            let mut points = frame.valleys["brow"].clone();
+            points.iter_mut().for_each(|point| {
+                point.face += 2 * 12;
+                point.at_mm[0] += 6.0;
+            });
+            frame.valleys.insert("eye".into(), points);
+        }
+        scene
     }
 
     fn score(&self, result: &[Point3<f64>], own: Option<&[Point3<f64>]>) -> Vec<Metric> {
@@ -139,9 +164,9 @@ fn large_scale_truth_fed_back_is_perfect_and_known_errors_are_recovered() {
 #[test]
 fn wrinkled_truth_fed_back_is_perfect() {
     let scene = Scene::new();
-    assert_perfect(&scene.score(&scene.truth(), Some(&scene.rest)), &[]);
+    assert_perfect(&scene.score(&scene.truth(), Some(&scene.rest)), &["bulge_height_rel"]);
     let metrics = scene.score(&scene.truth(), None);
-    assert_perfect(&metrics, &["outside_moved"]);
+    assert_perfect(&metrics, &["outside_moved", "bulge_height_rel"]);
     assert!(metric(&metrics, "outside_moved").reason.is_some());
 }
 
@@ -163,6 +188,28 @@ fn wrinkles_too_deep_are_recovered_as_ratio_and_depth() {
     assert_recovered(&metrics, "region_raw_ratio", 0.1);
     assert_recovered(&metrics, "valley_depth_rel", 0.1);
     assert_recovered(&metrics, "valley_depth_p90", 0.1);
+}
+
+#[test]
+fn bulges_between_neighbors_are_recovered() {
+    let scene = Scene::with_neighbor();
+    assert_perfect(&scene.score(&scene.truth(), Some(&scene.rest)), &[]);
+    let metrics = scene.score(&scene.raised(|point| 0.8 * scene.height(point.x)), None);
+    assert_recovered(&metrics, "bulge_height_rel", 0.2);
+    // Valleys alone, without the bulge between them.
+    let highest =
+        |field: &dyn Fn(f64) -> f64| (0..=12).map(|i| field(30.0 + 0.5 * f64::from(i))).fold(0.0, f64::max);
+    let alone = |x: f64| scene.height(x) - bulge(x);
+    let planted = 1.0 - highest(&alone) / highest(&|x| scene.height(x));
+    assert_recovered(&scene.score(&scene.raised(|point| alone(point.x)), None), "bulge_height_rel", planted);
+
+    // The same valleys too narrow to be neighbours.
+    let mut far = Scene::with_neighbor();
+    far.valleys
+        .iter_mut()
+        .flat_map(|frame| frame.valleys.values_mut().flatten())
+        .for_each(|point| point.w_mm = 0.7);
+    assert_eq!(metric(&far.score(&far.truth(), None), "bulge_height_rel").value, None);
 }
 
 #[test]
