@@ -1,5 +1,7 @@
 //! What the face does over time: bounds, smoothness, durations, and a real recording.
 
+#![allow(clippy::expect_used, clippy::panic, reason = "helpers of tests may fail like tests")]
+
 use nalgebra::Point3;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
