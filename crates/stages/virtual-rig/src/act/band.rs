@@ -36,7 +36,7 @@ impl Band {
     }
 
     /// The value at a time, shifted to 0 at time 0 and scaled to stay between −1 and 1.
-    pub(super) fn from_rest(&self, time_s: f64) -> f64 {
+    pub(super) fn since_rest(&self, time_s: f64) -> f64 {
         let rest = self.at(0.0);
         (self.at(time_s) - rest) / (1.0 + rest.abs())
     }
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn rest_is_at_time_zero() {
         let band = Band::new(1, 2, [0.2, 0.6]);
-        assert_eq!(band.from_rest(0.0), 0.0);
-        assert!((0..1000).all(|i| band.from_rest(f64::from(i) * 0.1).abs() <= 1.0));
+        assert_eq!(band.since_rest(0.0), 0.0);
+        assert!((0..1000).all(|i| band.since_rest(f64::from(i) * 0.1).abs() <= 1.0));
     }
 }

@@ -65,7 +65,7 @@ impl HeadMotion {
     #[must_use]
     pub fn world_from_head(&self, time_s: f64, pivot: &Point3<f64>) -> Isometry3<f64> {
         let slowest = 1.0 / self.period_s;
-        let swing = |channel: u64| Band::new(self.seed, channel, [slowest, 3.0 * slowest]).from_rest(time_s);
+        let swing = |channel: u64| Band::new(self.seed, channel, [slowest, 3.0 * slowest]).since_rest(time_s);
         let turn =
             Vector3::new(swing(0), swing(1), swing(2)).component_mul(&TURN.normalize()) * self.turn_rad;
         let shift =

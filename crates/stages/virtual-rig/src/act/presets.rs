@@ -82,7 +82,7 @@ pub(super) fn resolve(place: &str, action: &str, shapes: &[String]) -> Result<Pa
         return Err(refuse(place, what));
     };
     first_present(sets, shapes).ok_or_else(|| {
-        let sets: Vec<String> = sets.iter().map(|set| names(set)).collect();
+        let sets: Vec<String> = sets.iter().map(names).collect();
         let what = format!("'{action}' needs {}; this body has {}", sets.join(" or "), shapes.join(", "));
         refuse(place, what)
     })

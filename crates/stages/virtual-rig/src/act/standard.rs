@@ -37,7 +37,7 @@ impl Timeline {
         let timeline = Self { seed, ..Self::default() };
         if length_s < SHORT_S {
             let still = STILL_S.min(length_s / 6.0);
-            let rise = [(length_s - still).min(0.6).max(0.01), length_s, 0.4];
+            let rise = [(length_s - still).clamp(0.01, 0.6), length_s, 0.4];
             return timeline.with("brow_raise", still, rise, 1.0).with("smile", still, rise, 0.9);
         }
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -34,6 +34,8 @@ pub struct Scan {
     pub residuals: Vec<(String, f64)>,
     /// Whether the surface is cut open between the lips. A closed mouth cannot open: its jaw would tear the skin.
     pub mouth_is_open: bool,
+    /// Whether the upper lids' edges are among the landmarks. Lids that are closed cannot blink.
+    pub eyes_are_open: bool,
 }
 
 /// Why a scan cannot act.
@@ -96,7 +98,9 @@ pub(super) fn prepare(mesh: &Mesh, notes: &Notes) -> Result<(Scan, Refined), Sca
         Some(texture) => texture.albedo(&refined.mesh),
         None => vec![SKIN; refined.mesh.positions.len()],
     };
+    let is_named = |name: &str| notes.landmarks.iter().any(|pick| pick.marker == name);
     let scan = Scan {
+        eyes_are_open: is_named("lid_upper_l") && is_named("lid_upper_r"),
         mouth_is_open: has_slit(&refined.mesh, &domain),
         mesh: refined.mesh.clone(),
         domain,
