@@ -41,6 +41,15 @@ pub enum Codes {
 }
 
 impl Rgb {
+    /// All code values in 8 bits, rounded to the nearest.
+    #[must_use]
+    pub fn to_8_bits(&self) -> Vec<u8> {
+        match &self.codes {
+            Codes::Bits8(codes) => codes.clone(),
+            Codes::Bits16(codes) => codes.iter().map(|code| ((u32::from(*code) + 128) / 257) as u8).collect(),
+        }
+    }
+
     /// The red, green and blue of a pixel as shares of white, 0–1.
     ///
     /// # Panics

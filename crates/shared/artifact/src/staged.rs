@@ -37,6 +37,25 @@ fn refuse_special(path: &Path) -> Result<()> {
     }
 }
 
+/// Refuses a folder that holds something already: what an earlier run left there would mix with what is to come. Side-cars
+/// and files are checked alike; a folder that is not there yet is fine.
+///
+/// # Errors
+/// Names the folder.
+#[allow(clippy::disallowed_methods, reason = "this is the room where folders are looked at")]
+pub fn require_new_folder(folder: &Path) -> Result<()> {
+    if !folder.exists() {
+        return Ok(());
+    }
+    let mut entries =
+        std::fs::read_dir(folder).map_err(|cause| Error::io(folder, "read the folder", &cause))?;
+    match entries.next() {
+        None => Ok(()),
+        Some(_) => Err(Error::new(folder, "holds files already")
+            .fix("name a folder that is not there yet, or remove this one")),
+    }
+}
+
 /// Removes the files `<name>.<anything>.<ending>` of a folder: what an earlier run left there.
 ///
 /// # Errors

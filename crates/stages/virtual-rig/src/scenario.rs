@@ -10,6 +10,7 @@ pub use fault::{Fault, FaultKind};
 pub use preset::{Length, PRESETS, preset};
 
 use crate::act::{ClipParams, Event, HeadMotion, Timeline};
+use crate::clock::Flash;
 use crate::film::{Film, Sensor};
 use crate::light::Ambient;
 use crate::take::{Hands, PaintPlan, Placement, Spaces};
@@ -75,9 +76,9 @@ pub struct Scenario {
     /// Boards and wands, filmed before the take.
     #[serde(default)]
     pub calibration: calibration::Params,
-    /// A frame in which a flash lights all images, counted from the first.
+    /// A flash that all cameras see.
     #[serde(default)]
-    pub flash: Option<u32>,
+    pub flash: Option<Flash>,
     /// What goes wrong, one by one.
     #[serde(default)]
     pub faults: Vec<Fault>,

@@ -115,6 +115,13 @@ impl Part {
 }
 
 impl Exposure {
+    /// An image of light alone, which shows neither depth nor paint.
+    #[must_use]
+    pub fn of_radiance(size: [u32; 2], radiance: Vec<[f32; 3]>) -> Self {
+        let depth_mm = vec![f32::INFINITY; radiance.len()];
+        Self { size, radiance, depth_mm, covers: Vec::new() }
+    }
+
     fn assemble(size: [u32; 2], tiling: &Tiling, parts: &[Part]) -> Self {
         let count = tiling.size[0] * tiling.size[1];
         let (mut radiance, mut depth_mm) = (vec![[0.0; 3]; count], vec![0.0; count]);

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::film::{self, Exposure, Grain, Moment, Scene, Skin, Solid};
 use crate::light;
+use crate::paint::Layers;
 use crate::take::shapes::ball;
 use crate::take::{Pose, Role, Station, Studio};
 use mesh::{Mesh, vertex_normals};
@@ -37,8 +38,6 @@ struct Piece {
 const FINGER: [f32; 3] = [0.42, 0.27, 0.20];
 /// Light on props: they stand in the shadow of brows and lips, which is not traced.
 const PROP_LIGHT: f32 = 0.75;
-/// A flash lights the face so much more.
-const FLASH: f64 = 2.5;
 /// The gain rises and falls once in so many seconds.
 const GAIN_PERIOD_S: f64 = 4.0;
 
@@ -104,7 +103,9 @@ impl Studio {
         time_s: f64,
     ) -> Result<Vec<u8>, Error> {
         let drift = 1.0 + self.scenario.gain_drift * (TAU * time_s / GAIN_PERIOD_S).sin();
-        let flash = if self.is_flash(time_s) { FLASH } else { 1.0 };
+        let flash = self.scenario.flash.as_ref().map_or(1.0, |flash| {
+            flash.brightness(self.scenario.extent.rate, time_s, station.exposure_s)
+        });
         let sensor = film::Sensor { gain: station.sensor.gain * drift * flash, ..station.sensor.clone() };
         let grain = Grain { seed: self.scenario.seed, camera: station.number, frame: shot };
         let mut image = film::develop(exposure, &sensor, grain)?;
@@ -114,9 +115,31 @@ impl Studio {
         Ok(image)
     }
 
-    fn is_flash(&self, time_s: f64) -> bool {
-        let frame = time_s * self.scenario.extent.rate.hz();
-        self.scenario.flash.is_some_and(|flash| (frame - f64::from(flash)).abs() < 0.5)
+    /// Normals of the skin as a camera sees them: 16 bits per channel, n = 2c − 1 in camera space (x right, y down, z away);
+    /// black where there is no skin.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the film's parameters make no sense.
+    pub fn normals_of(&self, set: &Set, station: &Station) -> Result<Vec<u16>, Error> {
+        let rotation = station.camera.cam_from_world.rotation;
+        let code = |normal: &Vector3<f64>| -> [f32; 3] { (rotation * normal).map(|x| 0.5 * (x as f32 + 1.0)).into() };
+        let codes: Vec<[f32; 3]> = set.normals.iter().map(code).collect();
+        let light = vec![[1.0; 3]; codes.len()];
+        let face = Solid {
+            skin: Skin { triangles: &self.body.triangles, albedo: &codes },
+            moment: still(&set.skin_in_world, &light),
+        };
+        let dark: Vec<Vec<[f32; 3]>> = set.props.iter().map(|piece| vec![[0.0; 3]; piece.light.len()]).collect();
+        let props: Vec<Solid> = set.props.iter().zip(&dark).map(|(piece, dark)| piece.lit_by(dark)).collect();
+        let bare = Layers::build(&[], &[], &[], Vec::new(), Vec::new());
+        let film = film::Film { background: [0.0; 3], gloss: None, ..self.scenario.film.clone() };
+        let picture = film::expose(&station.camera, &Scene { face, layers: &bare, props: &props }, &film)?;
+        let value = |x: f32| (65535.0 * x.clamp(0.0, 1.0)).round() as u16;
+        let mut codes: Vec<u16> = picture.radiance.iter().flatten().map(|x| value(*x)).collect();
+        if station.mirrored {
+            mirror(&mut codes, picture.size[0] as usize);
+        }
+        Ok(codes)
     }
 
     fn props(&self, time_s: f64, exposure_s: f64) -> Vec<Piece> {
@@ -159,6 +182,14 @@ impl Piece {
         Self { triangles, albedo, open, close, light }
     }
 
+    /// The piece when the shutter opens, in another light.
+    fn lit_by<'a>(&'a self, light: &'a [[f32; 3]]) -> Solid<'a> {
+        Solid {
+            skin: Skin { triangles: &self.triangles, albedo: &self.albedo },
+            moment: still(&self.open, light),
+        }
+    }
+
     fn solid(&self) -> Solid<'_> {
         Solid {
             skin: Skin { triangles: &self.triangles, albedo: &self.albedo },
@@ -172,8 +203,12 @@ impl Piece {
     }
 }
 
-/// Turns an image of three bytes a pixel left to right.
-pub(super) fn mirror(image: &mut [u8], width: usize) {
+fn still<'a>(open: &'a [Point3<f64>], irradiance: &'a [[f32; 3]]) -> Moment<'a> {
+    Moment { open, close: None, normals: &[], irradiance }
+}
+
+/// Turns an image of three values a pixel left to right.
+pub(super) fn mirror<T>(image: &mut [T], width: usize) {
     for row in image.chunks_exact_mut(3 * width) {
         for column in 0..width / 2 {
             for channel in 0..3 {

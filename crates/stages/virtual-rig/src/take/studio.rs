@@ -101,6 +101,12 @@ impl Studio {
         &self.wrinkles
     }
 
+    /// Names of the balls on the headband.
+    #[must_use]
+    pub fn head_markers(&self) -> Vec<String> {
+        self.headband.names().map(ToString::to_string).collect()
+    }
+
     /// Names of all markers: the dots, then the balls on the headband.
     #[must_use]
     pub fn marker_names(&self) -> Vec<String> {

@@ -19,6 +19,8 @@ pub struct ImageTruth {
     pub curves: BTreeMap<String, Curve2d>,
     /// Their sections: width and depth as image lengths; wrinkle cameras only.
     pub sections: BTreeMap<String, Vec<Section>>,
+    /// Per pixel the share that wrinkle paint covers, and the stroke that covers most; wrinkle cameras only.
+    pub coverage: Vec<(f32, u32)>,
 }
 
 /// A marker counts as visible at less than this angle between the skin's normal and the view, rad.
@@ -52,6 +54,7 @@ impl Studio {
         tracks.extend(balls.iter().map(|center| ball_in_image(center, camera, &sees)));
         let mut truth = ImageTruth { tracks, ..ImageTruth::default() };
         if station.role == Role::Wrinkle {
+            truth.coverage = self.coverage(exposure);
             for valley in &set.pose.valleys {
                 let line = self.seen_valley(set, &valley.points, camera, &sees);
                 if line.len() >= LEAST_POINTS {
@@ -61,9 +64,23 @@ impl Studio {
             }
         }
         if station.mirrored {
-            truth.mirror(f64::from(camera.image_size[0]) - 1.0);
+            truth.mirror(camera.image_size[0] as usize);
         }
         truth
+    }
+
+    fn coverage(&self, exposure: &Exposure) -> Vec<(f32, u32)> {
+        let mut coverage = vec![(0.0f32, 0u32); exposure.radiance.len()];
+        let mut most = vec![0.0f32; exposure.radiance.len()];
+        let strokes = self.layers.strokes().len() as u32;
+        for cover in exposure.covers.iter().filter(|cover| cover.layer < strokes) {
+            let pixel = cover.pixel as usize;
+            coverage[pixel].0 = (coverage[pixel].0 + cover.share).min(1.0);
+            if cover.share > most[pixel] {
+                (most[pixel], coverage[pixel].1) = (cover.share, cover.layer);
+            }
+        }
+        coverage
     }
 
     /// The part of a valley that a camera sees, as sections of the image.
@@ -155,7 +172,7 @@ fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Sec
         w_px,
         d_px: ratio * w_px,
         epsilon,
-        kappa,
+        kappa: 0.0 - kappa,
         tilt_rad: None,
         deviation: None,
         residual: None,
@@ -181,7 +198,9 @@ fn curve(line: &[Seen]) -> Curve2d {
 }
 
 impl ImageTruth {
-    fn mirror(&mut self, last: f64) {
+    fn mirror(&mut self, width: usize) {
+        let last = width as f64 - 1.0;
+        self.coverage.chunks_exact_mut(width).for_each(<[_]>::reverse);
         for sample in self.tracks.iter_mut().flatten() {
             sample.at.x = last - sample.at.x;
         }
@@ -190,7 +209,9 @@ impl ImageTruth {
         }
         for section in self.sections.values_mut().flatten() {
             section.at[0] = last - section.at[0];
-            section.normal[0] = -section.normal[0];
+            // Left and right of the line change places.
+            section.normal[1] = -section.normal[1];
+            section.kappa = 0.0 - section.kappa;
         }
     }
 }

@@ -1,24 +1,89 @@
 //! Makes a take.
 
+mod calibration;
 mod choice;
+mod film;
+mod given;
+mod paper;
+mod records;
 
 pub(crate) use choice::Choice;
 
 use anyhow::bail;
+use artifact::FrameRange;
+use serde::Serialize;
 use stage::Run;
 use std::path::PathBuf;
+use virtual_rig::scenario::Scenario;
+use virtual_rig::take::Studio;
 
-/// Make a take: footage as a user would bring it, and the truth
+/// Make a take: footage as a user would bring it home (take/), and what is true of it (truth/)
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     choice: Choice,
+    #[command(flatten)]
+    given: given::Arguments,
+    /// Frames to film, by their absolute numbers; the rest of the take stays the same
+    #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
+    frames: Option<FrameRange>,
+    /// Film neither the boards nor the wand
+    #[arg(long)]
+    no_calibration: bool,
+    /// Film nothing: write only what is true of faces, not of images
+    #[arg(long)]
+    no_footage: bool,
+    /// Leave out the pictures of normals, which take most of the room
+    #[arg(long)]
+    no_normals: bool,
     /// Folder to make; gets take/ and truth/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
 
-pub(crate) fn run(run: &mut Run, _arguments: &Arguments) -> anyhow::Result<()> {
+/// What stands in the side-cars.
+#[derive(Serialize)]
+struct Parameters<'a> {
+    scenario: &'a Scenario,
+    frames: String,
+    #[serde(flatten)]
+    given: &'a given::Arguments,
+}
+
+pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("make");
-    bail!("is not built yet")
+    let mut scenario = arguments.choice.scenario(run)?;
+    let given = arguments.given.read(run, &mut scenario)?;
+    let frames = arguments.frames.unwrap_or(FrameRange::ALL);
+    run.parameters(&Parameters { scenario: &scenario, frames: frames.to_string(), given: &arguments.given })?;
+    let last = scenario.extent.first_frame + i64::from(scenario.extent.frames) - 1;
+    if !(scenario.extent.first_frame..=last).any(|frame| frames.contains(frame)) {
+        bail!(
+            "--frames {frames}: the take has frames {}-{last}\n  to do: choose some of these",
+            scenario.extent.first_frame
+        );
+    }
+    artifact::require_new_folder(&arguments.out)?;
+    let studio = run.timed("set up", || Studio::set_up(scenario, given))?;
+    run.say(&format!(
+        "{}: {} vertices, {} markers, {} wrinkle lines, {} cameras",
+        studio.scenario().name,
+        studio.body().mesh.positions.len(),
+        studio.marker_names().len(),
+        studio.wrinkles().lines().len(),
+        studio.stations().len()
+    ));
+    run.result("vertices", studio.body().mesh.positions.len());
+    run.result("markers", studio.marker_names().len());
+    let schedule = studio.schedule()?;
+    let (paper, last) = paper::Paper::new(&studio, &arguments.given, &arguments.out)?;
+    let mut outputs = paper.write_truth(&studio)?;
+    outputs.extend(paper.write_take(&studio, &schedule, &arguments.out)?);
+    if !arguments.no_calibration {
+        calibration::film(run, &studio, &arguments.out)?;
+    }
+    outputs.extend(film::film(run, &studio, &schedule, &paper, arguments)?);
+    // The manifest comes last: a folder without it is not finished.
+    outputs.extend(last);
+    run.publish(outputs)
 }

@@ -1,0 +1,171 @@
+//! The take itself, frame by frame.
+
+use super::Arguments;
+use super::paper::Paper;
+use super::records::Records;
+use artifact::{FrameRange, Labels, PerCamera, Staged, TrackState, picture};
+use rayon::prelude::*;
+use stage::Run;
+use std::collections::BTreeMap;
+use std::path::Path;
+use virtual_rig::clock::Schedule;
+use virtual_rig::take::{ImageTruth, Role, Set, Shot, Station, Studio, shots_by_frame};
+
+/// An image on its way to the disk.
+struct Image {
+    shot: Shot,
+    rgb: Vec<u8>,
+    truth: ImageTruth,
+    normals: Option<Vec<u16>>,
+}
+
+/// Films the take, and writes what is true of each frame.
+pub(super) fn film(
+    run: &mut Run,
+    studio: &Studio,
+    schedule: &Schedule,
+    paper: &Paper,
+    arguments: &Arguments,
+) -> anyhow::Result<Vec<Staged>> {
+    let extent = studio.scenario().extent;
+    let range = arguments.frames.unwrap_or(FrameRange::ALL);
+    let all = shots_by_frame(schedule, extent.frames);
+    let wanted: Vec<(i64, Vec<Shot>)> =
+        all.into_iter().filter(|(frame, _)| range.contains(extent.first_frame + frame)).collect();
+    let mut records = Records::create(studio, paper, schedule, &wanted)?;
+    let mut labels: PerCamera<[f64; 2]> = BTreeMap::new();
+    let mut masked: Vec<String> = Vec::new();
+    let mut images = 0u64;
+    let mut progress = run.progress("film", Some(wanted.len() as u64));
+    for (frame, shots) in &wanted {
+        let shots = if arguments.no_footage { &[][..] } else { shots };
+        let (own, filmed) = run.timed("film", || film_frame(studio, *frame, shots, !arguments.no_normals))?;
+        for image in &filmed {
+            let station = &studio.stations()[&image.shot.camera];
+            write_image(&arguments.out, image, station)?;
+            images += 1;
+            let camera = &image.shot.camera;
+            match station.role {
+                Role::Mocap if !labels.contains_key(camera) => {
+                    labels.insert(camera.clone(), first_labels(studio, image));
+                }
+                Role::Wrinkle if !masked.contains(camera) => {
+                    write_mask(&arguments.out, studio, image, station)?;
+                    masked.push(camera.clone());
+                }
+                _ => {}
+            }
+        }
+        let truths = filmed.into_iter().map(|image| (image.shot, image.truth)).collect();
+        records.write(studio, extent.first_frame + frame, &own, truths, shots)?;
+        progress.step();
+    }
+    drop(progress);
+    run.result("images", images);
+    let mut outputs = records.finish()?;
+    if !labels.is_empty() {
+        let first = wanted.first().map_or(0, |(frame, _)| *frame);
+        let labels = Labels { take: Some(paper.take.clone()), frame: extent.first_frame + first, cameras: labels };
+        outputs.push(artifact::write_document(&arguments.out.join("take/labels.json"), &labels)?);
+    }
+    Ok(outputs)
+}
+
+/// The face at a frame's own time, and all its images. Cameras that film at the same time share one set.
+fn film_frame(
+    studio: &Studio,
+    frame: i64,
+    shots: &[Shot],
+    with_normals: bool,
+) -> anyhow::Result<(Set, Vec<Image>)> {
+    let own_s = frame as f64 / studio.scenario().extent.rate.hz();
+    let when = |shot: &Shot| (shot.entry.time_s, studio.stations()[&shot.camera].exposure_s);
+    let mut times: Vec<(f64, f64)> = shots.iter().map(when).collect();
+    times.dedup();
+    let mut images = Vec::with_capacity(shots.len());
+    let mut own = None;
+    for (time_s, exposure_s) in times {
+        let group: Vec<&Shot> = shots.iter().filter(|shot| when(shot) == (time_s, exposure_s)).collect();
+        let close = group.iter().any(|shot| studio.stations()[&shot.camera].role == Role::Wrinkle);
+        if images.iter().any(|image: &Image| when(&image.shot) == (time_s, exposure_s)) {
+            continue;
+        }
+        let set = studio.set(time_s, exposure_s, close);
+        let filmed: Vec<Image> =
+            group.into_par_iter().map(|shot| image(studio, &set, shot, with_normals)).collect::<anyhow::Result<_>>()?;
+        images.extend(filmed);
+        if (time_s - own_s).abs() < 1e-9 {
+            own = Some(set);
+        }
+    }
+    Ok((own.unwrap_or_else(|| studio.set(own_s, 0.0, false)), images))
+}
+
+fn image(studio: &Studio, set: &Set, shot: &Shot, with_normals: bool) -> anyhow::Result<Image> {
+    let station = &studio.stations()[&shot.camera];
+    let exposure = studio.expose(set, station)?;
+    let truth = studio.truth_of(set, station, &exposure);
+    let rgb = studio.develop(&exposure, station, shot.entry.exposure, shot.entry.time_s)?;
+    let normals = match with_normals && station.role == Role::Wrinkle {
+        true => Some(studio.normals_of(set, station)?),
+        false => None,
+    };
+    Ok(Image { shot: shot.clone(), rgb, truth, normals })
+}
+
+fn write_image(out: &Path, image: &Image, station: &Station) -> anyhow::Result<()> {
+    let [width, height] = station.camera.image_size.map(|side| side as usize);
+    let camera = &image.shot.camera;
+    let first = image.shot.entry.index;
+    for index in first..first + image.shot.copies {
+        let path = out.join(format!("take/footage/{camera}/{index:06}.png"));
+        picture::write_rgb8(&path, width, height, &image.rgb)?.publish()?;
+    }
+    if station.role == Role::Wrinkle {
+        let gray = |share: f32| (255.0 * share).round() as u8;
+        let coverage: Vec<u8> = image.truth.coverage.iter().flat_map(|(share, _)| [gray(*share); 3]).collect();
+        let path = out.join(format!("truth/paint/{camera}/{first:06}.png"));
+        picture::write_rgb8(&path, width, height, &coverage)?.publish()?;
+    }
+    if let Some(normals) = &image.normals {
+        let path = out.join(format!("truth/normals/{camera}/{first:06}.png"));
+        picture::write_rgb16(&path, width, height, normals)?.publish()?;
+    }
+    Ok(())
+}
+
+/// Paint from this coverage on is marked by whoever paints the training mask.
+const MARKED: f32 = 0.5;
+
+/// The paint of a first wrinkle image, marked in its colours on black.
+fn write_mask(out: &Path, studio: &Studio, image: &Image, station: &Station) -> anyhow::Result<()> {
+    let [width, height] = station.camera.image_size.map(|side| side as usize);
+    let strokes = studio.layers().strokes();
+    let mark = |(share, stroke): &(f32, u32)| match *share >= MARKED {
+        true => vivid(strokes[*stroke as usize].paint),
+        false => [0; 3],
+    };
+    let mask: Vec<u8> = image.truth.coverage.iter().flat_map(mark).collect();
+    let path = out.join(format!("take/paint-mask/{}.png", image.shot.camera));
+    picture::write_rgb8(&path, width, height, &mask)?.publish()?;
+    Ok(())
+}
+
+/// A colour as bright as it can be.
+fn vivid(paint: [f32; 3]) -> [u8; 3] {
+    let most = paint.into_iter().fold(f32::MIN_POSITIVE, f32::max);
+    paint.map(|channel| (255.0 * (channel / most).powf(1.0 / 2.2)).round() as u8)
+}
+
+/// Who labels by hand hits the middle of a dot to about a third of a pixel.
+const HAND_PX: f64 = 0.35;
+
+fn first_labels(studio: &Studio, image: &Image) -> BTreeMap<String, [f64; 2]> {
+    let shake = |number: usize, axis: f64| HAND_PX * (12.9898 * (number as f64 + 1.0) + 78.233 * axis).sin();
+    let seen = studio.marker_names().into_iter().zip(&image.truth.tracks).enumerate();
+    seen.filter_map(|(number, (marker, sample))| {
+        let sample = sample.filter(|sample| sample.state == TrackState::Seen)?;
+        Some((marker, [sample.at.x + shake(number, 0.0), sample.at.y + shake(number, 1.0)]))
+    })
+    .collect()
+}
