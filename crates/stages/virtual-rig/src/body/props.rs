@@ -19,7 +19,7 @@ pub struct Prop {
 }
 
 /// Radius of an eyeball: the lids slide over it without touching, mm.
-const BALL_RADIUS: f64 = surface::EYE_RADIUS - 0.9;
+const BALL_RADIUS: f64 = surface::EYE_RADIUS - 1.0;
 /// Angles of pupil and iris seen from the ball's centre, rad.
 const PUPIL: f64 = 0.15;
 const IRIS: f64 = 0.46;
@@ -56,7 +56,7 @@ fn eyeball(person: &Person, side: f64) -> Prop {
         let (up, across) = (TAU * u).sin_cos();
         let radius = BALL_RADIUS + 0.7 * (1.0 - smooth_step(polar / (1.1 * IRIS)));
         // Wider beside the iris, most towards the nose, so that the corners of the eye are filled.
-        let widest = 0.13 - 0.10 * side * across;
+        let widest = 0.11 - 0.08 * side * across;
         let wide = 1.0 + widest * smooth_step((polar - IRIS) / 0.6);
         let out = Vector3::new(across * sin * wide, up * sin, cos);
         (center + out * radius, eye_color(person, polar, u))
