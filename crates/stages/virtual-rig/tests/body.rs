@@ -347,6 +347,29 @@ fn no_lid_cuts_into_an_eyeball() {
     }
 }
 
+#[test]
+fn eyeballs_and_mouth_stay_behind_the_skin() {
+    for seed in 0..9 {
+        let body = plain(seed, 6_000);
+        for name in ["nothing", "jaw_open"] {
+            let posed = pose(&body, &[(name, 1.0)]);
+            // The front of the skin around a point, in columns of 4 mm; nothing in the openings.
+            let column = |point: &Point3<f64>| [point.x, point.y].map(|c| (c / 4.0).round() as i32);
+            let mut front: std::collections::BTreeMap<[i32; 2], f64> = std::collections::BTreeMap::new();
+            for point in &posed {
+                let z = front.entry(column(point)).or_insert(point.z);
+                *z = z.max(point.z);
+            }
+            let covers = |point: &Point3<f64>| front.get(&column(point)).is_none_or(|z| point.z < z + 0.5);
+            for (index, prop) in body.props[..3].iter().enumerate() {
+                let out: Vec<&Point3<f64>> =
+                    prop.mesh.positions.iter().filter(|point| !covers(point)).collect();
+                assert!(out.is_empty(), "seed {seed}, {name}, prop {index}: {out:?}");
+            }
+        }
+    }
+}
+
 /// 9 × 9 vertices, 10 mm apart, over the middle of the face.
 fn patch() -> (Mesh, Vec<Point2<f64>>) {
     let places = (0..9).flat_map(|j| (0..9).map(move |i| (f64::from(i), f64::from(j))));

@@ -140,7 +140,8 @@ fn jaw_share(half: f64, at: Point2<f64>) -> f64 {
     let still = smooth_step((at.x.abs() - 80.0) / 70.0).max(smooth_step((-95.0 - at.y) / 55.0));
     let opening = crack(half, at.x, at.y);
     // Blunted at the corners, where a crack opens infinitely fast and skin does not.
-    let blunt = opening * opening.abs() / (opening.abs() + CORNER);
+    let corner = hill((at.x.abs() - half) / 6.0, (at.y - mouth_line(at.x)) / 8.0);
+    let blunt = opening * opening.abs() / (opening.abs() + CORNER * corner).max(f64::MIN_POSITIVE);
     (0.5 - 0.5 * (JAW_FADE * blunt).tanh()) * (1.0 - still)
 }
 
