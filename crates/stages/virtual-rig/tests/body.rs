@@ -353,7 +353,7 @@ fn eyeballs_and_mouth_stay_behind_the_skin() {
         let body = plain(seed, 6_000);
         for name in ["nothing", "jaw_open"] {
             let posed = pose(&body, &[(name, 1.0)]);
-            // The front of the skin around a point, in columns of 4 mm; nothing in the openings.
+            // The front of the skin around a point, in columns of 4 mm; nothing beyond its rim.
             let column = |point: &Point3<f64>| [point.x, point.y].map(|c| (c / 4.0).round() as i32);
             let mut front: std::collections::BTreeMap<[i32; 2], f64> = std::collections::BTreeMap::new();
             for point in &posed {
@@ -362,9 +362,13 @@ fn eyeballs_and_mouth_stay_behind_the_skin() {
             }
             let covers = |point: &Point3<f64>| front.get(&column(point)).is_none_or(|z| point.z < z + 0.5);
             for (index, prop) in body.props[..3].iter().enumerate() {
-                let out: Vec<&Point3<f64>> =
-                    prop.mesh.positions.iter().filter(|point| !covers(point)).collect();
-                assert!(out.is_empty(), "seed {seed}, {name}, prop {index}: {out:?}");
+                let (low, high) = mesh::bounding_box(&prop.mesh.positions);
+                let middle = nalgebra::center(&low, &high);
+                let seen = |point: &Point3<f64>| {
+                    index < 2 && (point.x - middle.x).abs() < 11.0 && (point.y - middle.y).abs() < 8.0
+                };
+                let out = prop.mesh.positions.iter().filter(|&point| !seen(point) && !covers(point)).count();
+                assert_eq!(out, 0, "seed {seed}, {name}, prop {index}");
             }
         }
     }
