@@ -85,7 +85,7 @@ fn mouth_bag(person: &Person) -> Prop {
         // Narrow below, so that it stays within the chin.
         let (x, y) = ((20.0 + 46.0 * smooth_step(1.8 * v)) * (u - 0.5), -72.0 + 74.0 * v);
         let back = 0.7 * (-40.0 - y).max(0.0) + 0.55 * (y + 18.0).max(0.0);
-        let z = 22.0 + 0.026 * x * x - back;
+        let z = 22.0 + 0.022 * x * x - back;
         (Point3::new(x * person.width, y * person.height, z), MOUTH)
     })
 }
