@@ -46,7 +46,7 @@ pub struct Body {
 /// How a body moves without wrinkles.
 #[derive(Debug, Clone)]
 enum Motion {
-    Muscles(Muscles),
+    Muscles(Box<Muscles>),
     Shapes(Vec<Offsets>),
 }
 
@@ -59,7 +59,7 @@ impl Body {
         let albedo = face.domain.par_iter().map(|&at| skin::albedo(&face.person, at)).collect();
         let muscles = Muscles::of(&face.person, &face.domain, &Similarity3::identity());
         let props = props::of(&face.person);
-        let motion = Motion::Muscles(muscles);
+        let motion = Motion::Muscles(Box::new(muscles));
         Self { props, ..Self::build(face, albedo, Similarity3::identity(), muscle_names(), motion) }
     }
 
@@ -89,7 +89,7 @@ impl Body {
         let person = Person::of_seed(0);
         let muscles = Muscles::of(&person, &domain, &face_from_canonical);
         let face = Face { person, domain, mesh };
-        Self::build(face, albedo, face_from_canonical, muscle_names(), Motion::Muscles(muscles))
+        Self::build(face, albedo, face_from_canonical, muscle_names(), Motion::Muscles(Box::new(muscles)))
     }
 
     /// The same body with pores sunk into its skin, `depth_mm` deep (0.02 looks right), in a band of 0.3 to 0.8 mm:

@@ -140,7 +140,8 @@ fn jaw_share(half: f64, at: Point2<f64>) -> f64 {
     let still = smooth_step((at.x.abs() - 80.0) / 70.0).max(smooth_step((-95.0 - at.y) / 55.0));
     let opening = crack(half, at.x, at.y);
     // Blunted at the corners, where a crack opens infinitely fast and skin does not.
-    let blunt = opening * opening.abs() / (opening.abs() + CORNER);
+    let corner = hill((at.x.abs() - half) / 6.0, (at.y - mouth_line(at.x)) / 8.0);
+    let blunt = opening * opening.abs() / (opening.abs() + CORNER * corner).max(f64::MIN_POSITIVE);
     (0.5 - 0.5 * (JAW_FADE * blunt).tanh()) * (1.0 - still)
 }
 
@@ -229,9 +230,11 @@ fn squint(person: &Person, s: f64, t: f64) -> Vector3<f64> {
     let eye = eye_center(person, side);
     let outside = smooth_step((s.abs() - 44.0) / 12.0) * (1.0 - smooth_step((s.abs() - 70.0) / 25.0));
     let gather = -0.2 * (t - 35.0) * bump((t - 35.0) / 20.0) * outside;
-    let lids = -2.2 * (0.35 * (t - eye.y)).tanh() * bump((s - eye.x) / 11.0) * bump((t - eye.y) / 9.0);
+    let at_eye = bump((s - eye.x) / 11.0) * bump((t - eye.y) / 9.0);
+    let lids = -2.2 * (0.35 * (t - eye.y)).tanh() * at_eye;
     let cheek = 2.5 * hill((s.abs() - 42.0) / 16.0, (t - 8.0) / 12.0);
-    Vector3::new(0.0, gather + lids + cheek, 0.5 * cheek)
+    // Out as well: the lids slide over the ball.
+    Vector3::new(0.0, gather + lids + cheek, 0.5 * cheek + 0.6 * at_eye)
 }
 
 fn nose_wrinkle(s: f64, t: f64) -> Vector3<f64> {

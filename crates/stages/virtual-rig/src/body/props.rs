@@ -19,7 +19,7 @@ pub struct Prop {
 }
 
 /// Radius of an eyeball: the lids slide over it without touching, mm.
-const BALL_RADIUS: f64 = surface::EYE_RADIUS - 0.9;
+const BALL_RADIUS: f64 = surface::EYE_RADIUS - 1.1;
 /// Angles of pupil and iris seen from the ball's centre, rad.
 const PUPIL: f64 = 0.15;
 const IRIS: f64 = 0.46;
@@ -56,7 +56,7 @@ fn eyeball(person: &Person, side: f64) -> Prop {
         let (up, across) = (TAU * u).sin_cos();
         let radius = BALL_RADIUS + 0.7 * (1.0 - smooth_step(polar / (1.1 * IRIS)));
         // Wider beside the iris, most towards the nose, so that the corners of the eye are filled.
-        let widest = 0.13 - 0.10 * side * across;
+        let widest = 0.08 - 0.08 * side * across;
         let wide = 1.0 + widest * smooth_step((polar - IRIS) / 0.6);
         let out = Vector3::new(across * sin * wide, up * sin, cos);
         (center + out * radius, eye_color(person, polar, u))
@@ -79,12 +79,13 @@ fn eye_color(person: &Person, polar: f64, turn: f64) -> [f32; 3] {
     })
 }
 
-/// A dark curtain behind the lips, far enough back for a jaw that is open.
+/// A dark bowl behind the lips, far enough back for a jaw that is open.
 fn mouth_bag(person: &Person) -> Prop {
     sheet(24, 24, false, |u, v| {
-        let (x, y) = ((44.0 + 40.0 * smooth_step(1.6 * v)) * (u - 0.5), -78.0 + 80.0 * v);
-        let back = 0.55 * (-40.0 - y).max(0.0) + 0.55 * (y + 18.0).max(0.0);
-        let z = 42.0 - 0.014 * x * x - back;
+        // Narrow below, so that it stays within the chin.
+        let (x, y) = ((20.0 + 46.0 * smooth_step(1.8 * v)) * (u - 0.5), -72.0 + 74.0 * v);
+        let back = 0.7 * (-40.0 - y).max(0.0) + 0.55 * (y + 18.0).max(0.0);
+        let z = 22.0 + 0.022 * x * x - back;
         (Point3::new(x * person.width, y * person.height, z), MOUTH)
     })
 }
