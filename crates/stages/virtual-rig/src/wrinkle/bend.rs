@@ -32,11 +32,9 @@ pub(super) struct Budget {
 /// A little pressure everywhere, so that shares of it are defined.
 const LEAST_PRESSURE: f64 = 1e-4;
 /// A profile with too little room fades from this share of it on.
-const EARLIEST_FADE: f64 = 0.4;
+const EARLIEST_FADE: f64 = 0.5;
 /// About what a fold takes up, over the square of d/w and the width.
 const CAPACITY: f64 = 1.1;
-/// Steps towards the width that takes up what is wanted; each leaves about a tenth of the error.
-const WIDENINGS: usize = 3;
 /// Less than this is rounding, mm.
 const LEAST_WANTED: f64 = 1e-10;
 /// A profile ends at this share of the room that it has, which leaves room for sides of different length.
@@ -123,10 +121,12 @@ impl Bend {
             false => 1.0,
         };
         let left_share = budget.pressed[0] / (budget.pressed[0] + budget.pressed[1]);
+        let lost = set_in * budget.lost;
         let capacity = CAPACITY * params.d_over_w_max.powi(2) * params.growth_max * station.width;
-        let expected_shift = station.uptake * (set_in * budget.lost).min(capacity) * (left_share - 0.5);
-        let ends = self.ends(station, expected_shift, ROOM);
-        let Some((ratio, arcs)) = self.deepen(station, set_in * budget.lost, ends, params) else { return };
+        let ends = self.ends(station, station.uptake * lost.min(capacity) * (left_share - 0.5), ROOM);
+        let growth = 1.0 + (params.growth_max - 1.0) * smooth_step(lost / capacity);
+        self.set_width(growth * station.width, ends, params);
+        let Some((ratio, arcs)) = self.deepen(station, lost, params) else { return };
         self.profile.d_mm = ratio * self.profile.w_mm;
         let excess = [arcs[0].excess(), arcs[1].excess()];
         let taken: f64 = excess.iter().sum();
@@ -139,35 +139,14 @@ impl Bend {
     }
 
     /// Depth in widths and arc lengths of a fold that takes up `lost` mm or as much as it can, and less towards the
-    /// ends of its line; `None` for nothing. At its deepest it widens: the excess is nearly proportional to the width.
-    fn deepen(
-        &mut self,
-        station: &Station,
-        lost: f64,
-        ends: [f64; 2],
-        params: &Params,
-    ) -> Option<(f64, [arc::Side; 2])> {
-        let deepest = params.d_over_w_max;
-        let widest = params.growth_max * station.width;
-        let at_width = |bend: &mut Self, width: f64| {
-            bend.set_width(width, ends, params);
-            let length = Length::of(&station.outline, &bend.profile);
-            let most = length.excess(deepest).0;
-            (length, most)
-        };
-        let (mut length, mut most) = at_width(self, station.width);
-        let mut wanted = station.uptake * lost;
-        if lost > most {
-            // Tapers even where there is more to take up than the fold can.
-            wanted = station.uptake * lost.min(at_width(self, widest).1);
-            let mut width = station.width;
-            for _ in 0..WIDENINGS {
-                width = (width * wanted / most).clamp(station.width, widest);
-                (length, most) = at_width(self, width);
-            }
-        }
+    /// ends of its line; `None` for nothing.
+    fn deepen(&mut self, station: &Station, lost: f64, params: &Params) -> Option<(f64, [arc::Side; 2])> {
+        let length = Length::of(&station.outline, &self.profile);
+        let most = length.excess(params.d_over_w_max).0;
+        // Tapers even where there is more to take up than the fold can.
+        let wanted = station.uptake * lost.min(most);
         (wanted > LEAST_WANTED).then(|| {
-            let ratio = length.ratio(wanted, deepest);
+            let ratio = length.ratio(wanted, params.d_over_w_max);
             (ratio, length.tables(ratio))
         })
     }

@@ -5,7 +5,7 @@ use crate::wrinkle::smooth::{smooth_step, smooth_step_slope};
 /// The form of a section of unit width and unit depth: −1 at 0, crossing 0 at ±1 (rounded: at ±(1 ± κ)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    /// (|u| − 1) e^{−|u|} [A, Eq. 6].
+    /// (|u| − 1) e^{−|u|} [BickelBotsch2007, Eq. 6].
     S,
     /// The paper's S over ũ = √((u/(u_s(1 ± κ)))² + ε²), scaled so that width and depth stay 1:
     /// (ũ − 1) e^{−ũ} / ((1 − ε) e^{−ε}) with u_s = 1/√(1 − ε²).
