@@ -97,8 +97,7 @@ struct Fold {
 impl Bend {
     /// `budget`: the pose's, evened out along the line.
     pub(super) fn new(station: &Station, pose: Pose, budget: Budget, params: &Params) -> Self {
-        let band: f64 = station.sides.iter().map(|side| side.demand).sum();
-        let compression = 1.0 - budget.lost / band.max(1e-9);
+        let compression = 1.0 - budget.lost / station.band();
         let flat = Profile { shape: station.shape, w_mm: station.width, d_mm: 0.0, fade_mm: [[0.0, 1.0]; 2] };
         let mut bend = Self { pose, profile: flat, compression, uptake: 1.0, fold: None };
         match params.fixed {

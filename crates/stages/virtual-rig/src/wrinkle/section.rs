@@ -105,6 +105,11 @@ impl Station {
         self.zero -= first;
     }
 
+    /// Length of the band from which skin gathers into the fold, mm of rest skin.
+    pub(super) fn band(&self) -> f64 {
+        (self.sides[0].demand + self.sides[1].demand).max(1e-9)
+    }
+
     /// How far the section goes on side p < 0 and on side p > 0, mm of rest skin.
     pub(super) fn ends(&self) -> [f64; 2] {
         [-self.p[0], self.p[self.p.len() - 1]]
