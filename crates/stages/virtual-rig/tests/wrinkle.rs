@@ -1,4 +1,5 @@
 //! Wrinkles on surfaces that can be reckoned by hand.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use nalgebra::{Point2, Point3, Vector3};
 use virtual_rig::Error;
@@ -93,20 +94,25 @@ fn depth(folded: &Folded, line: usize) -> f64 {
 
 const FAMILIES: [Family; 3] = [Family::S, Family::Rounded, Family::Foreign];
 
-/// The largest relative difference in length, wrinkled against rest, over sections of the core.
-fn length_error(patch: &Patch, surface: fn(f64, f64) -> [f64; 3], family: Family, keep: f64) -> f64 {
+/// The largest relative difference in length, wrinkled against rest less what is reported as not taken up, over sections
+/// of the core; and the least uptake reported.
+fn length_error(patch: &Patch, surface: fn(f64, f64) -> [f64; 3], family: Family, keep: f64) -> (f64, f64) {
     let rest = patch.on(surface);
     let params = Params { family, ..Params::default() };
-    let line = straight("fold", 0.05, 2.0);
+    // On a row of vertices, so that the mesh does not cut off the sharp crease of S.
+    let line = straight("fold", 0.013, 2.0);
     let wrinkles = patch.place(&rest, &[line], &params);
     let folded = wrinkles.fold(&patch.on(|s, t| surface(s, keep * t)));
     let band = 2.0 * params.reach * 2.0;
+    let core = folded.valleys[0].points.iter().filter(|point| (point.x_mm - 18.0).abs() < 7.1);
+    let uptake = core.map(|point| point.uptake).fold(1.0, f64::min);
     let error = |x: f64| {
         // Beyond the band the skin stays as short as the pose made it.
         let outside = keep * (patch.cut_length(&rest, Vector3::x(), x) - band);
-        (patch.cut_length(&folded.positions, Vector3::x(), x) - outside) / band - 1.0
+        let inside = patch.cut_length(&folded.positions, Vector3::x(), x) - outside;
+        inside / band - 1.0 + (1.0 - uptake) * (1.0 - keep)
     };
-    [-6.03, -3.1, 0.21, 2.8, 7.05].into_iter().map(|x| error(x).abs()).fold(0.0, f64::max)
+    ([-6.03, -3.1, 0.21, 2.8, 7.05].into_iter().map(|x| error(x).abs()).fold(0.0, f64::max), uptake)
 }
 
 #[test]
@@ -115,9 +121,11 @@ fn sections_keep_their_length() {
     let mut worst = 0.0f64;
     for surface in [flat, barrel] {
         for family in FAMILIES {
-            for keep in [0.99, 0.97, 0.95, 0.94] {
-                let error = length_error(&patch, surface, family, keep);
-                assert!(error < 0.005, "{family:?} at {keep}: {error}");
+            for keep in [0.99, 0.97, 0.95, 0.94, 0.9] {
+                let (error, uptake) = length_error(&patch, surface, family, keep);
+                assert!(error < 0.003, "{family:?} at {keep}: {error}");
+                // From 5 % on the fold may be as deep as it gets.
+                assert!((uptake - 1.0).abs() < 1e-3 || keep < 0.95, "{family:?} at {keep}: {uptake}");
                 worst = worst.max(error);
             }
         }
@@ -221,7 +229,7 @@ fn the_papers_section_is_exact() {
     let mut checked = 0;
     for (before, after) in rest.iter().zip(&folded.positions) {
         let p = before.y - 0.05;
-        if before.x.abs() < 8.0 && p.abs() < 5.0 * w_mm {
+        if before.x.abs() < 7.0 && p.abs() < 5.0 * w_mm {
             let u = p.abs() / w_mm;
             let z = w_mm * d_over_w * (u - 1.0) * (-u).exp();
             assert!((after - (before + Vector3::z() * z)).norm() < 1e-9);

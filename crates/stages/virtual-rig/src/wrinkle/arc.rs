@@ -1,34 +1,55 @@
 //! Arc length of a section, and the depth that gives it the length it must have.
 
-use crate::wrinkle::profile::Profile;
+use crate::wrinkle::profile::{Profile, Shape, fade};
 
 /// Pieces per side; closer at the bottom, where a section bends most.
-const PIECES: usize = 40;
+const PIECES: usize = 32;
 const GRADING: f64 = 1.6;
 
-/// Abscissae of one side of a profile, with the slopes there per unit of d/w.
+/// Heights and slopes of a form at the ends and in the middles of the pieces of both sides, so that lengths need no
+/// more exponentials.
+#[derive(Debug, Clone)]
+pub(super) struct Outline {
+    /// Distances from the bottom in widths.
+    places: Vec<f64>,
+    /// Side p < 0, side p > 0.
+    sides: [Vec<(f64, f64)>; 2],
+}
+
+impl Outline {
+    /// Up to `reach` widths from the bottom.
+    pub(super) fn of(shape: &Shape, reach: f64) -> Self {
+        let node = |i: usize| reach * (i as f64 / PIECES as f64).powf(GRADING);
+        let place = |k: usize| 0.5 * (node(k / 2) + node(k.div_ceil(2)));
+        let places: Vec<f64> = (0..=2 * PIECES).map(place).collect();
+        let side = |side: usize| places.iter().map(|&u| shape.on_side(side, u)).collect();
+        Self { sides: [side(0), side(1)], places }
+    }
+}
+
+/// One side of a section: slopes per unit of d/w.
 struct Slopes {
-    /// Ends of the pieces, mm from the bottom.
-    nodes: Vec<f64>,
-    /// At both ends and in the middle of each piece.
-    slopes: Vec<[f64; 3]>,
+    /// Ends and middles of the pieces, mm from the bottom.
+    places: Vec<f64>,
+    slopes: Vec<f64>,
 }
 
 impl Slopes {
-    fn of(profile: &Profile, side: usize) -> Self {
-        let end = profile.fade_mm[side][1];
-        let node = |i: usize| end * (i as f64 / PIECES as f64).powf(GRADING);
-        let nodes: Vec<f64> = (0..=PIECES).map(node).collect();
-        let at: Vec<f64> = nodes.iter().map(|&node| profile.unit_slope(side, node)).collect();
-        let middle = |i: usize| profile.unit_slope(side, 0.5 * (nodes[i] + nodes[i + 1]));
-        let slopes = (0..PIECES).map(|i| [at[i], middle(i), at[i + 1]]).collect();
-        Self { nodes, slopes }
+    fn of(outline: &Outline, profile: &Profile, side: usize) -> Self {
+        let places: Vec<f64> = outline.places.iter().map(|&u| u * profile.w_mm).collect();
+        let slope = |(&place, &(height, slope)): (&f64, &(f64, f64))| {
+            let (share, share_slope) = fade(profile.fade_mm[side], place);
+            slope * share + height * profile.w_mm * share_slope
+        };
+        let slopes = places.iter().zip(&outline.sides[side]).map(slope).collect();
+        Self { places, slopes }
     }
 
     /// By how much a piece is longer than the surface below it (Simpson's rule), and the derivative by d/w.
     fn excess(&self, piece: usize, ratio: f64) -> (f64, f64) {
-        let sixth = (self.nodes[piece + 1] - self.nodes[piece]) / 6.0;
-        let [a, b, c] = self.slopes[piece].map(|slope| {
+        let sixth = (self.places[2 * piece + 2] - self.places[2 * piece]) / 6.0;
+        let [a, b, c] = [0, 1, 2].map(|k| {
+            let slope = self.slopes[2 * piece + k];
             let stretch = (1.0 + (ratio * slope).powi(2)).sqrt();
             // Without cancellation for small slopes.
             ((ratio * slope).powi(2) / (stretch + 1.0), ratio * slope * slope / stretch)
@@ -79,27 +100,28 @@ pub(super) struct Length {
 
 impl Length {
     /// Of a profile of that form, width and fading; its depth does not matter.
-    pub(super) fn of(profile: &Profile) -> Self {
-        Self { sides: [Slopes::of(profile, 0), Slopes::of(profile, 1)] }
+    pub(super) fn of(outline: &Outline, profile: &Profile) -> Self {
+        Self { sides: [Slopes::of(outline, profile, 0), Slopes::of(outline, profile, 1)] }
     }
 
     /// By how much the section is longer than the surface below it at a depth of `ratio` widths, mm, and the derivative.
-    fn excess(&self, ratio: f64) -> (f64, f64) {
+    pub(super) fn excess(&self, ratio: f64) -> (f64, f64) {
         let pieces = self.sides.iter().flat_map(|side| (0..PIECES).map(|piece| side.excess(piece, ratio)));
         pieces.fold((0.0, 0.0), |sum, piece| (sum.0 + piece.0, sum.1 + piece.1))
     }
 
     /// The depth in widths at which the section is `excess` mm longer than the surface below it, at most `most`: Newton
-    /// from below; the excess is convex in the depth.
+    /// from above; the excess is convex in the depth and grows at most with its square.
     pub(super) fn ratio(&self, excess: f64, most: f64) -> f64 {
-        if self.excess(most).0 <= excess {
+        let largest = self.excess(most).0;
+        if largest <= excess {
             return most;
         }
-        let mut ratio = 0.5 * most;
+        let mut ratio = most * (excess / largest).sqrt();
         for _ in 0..20 {
             let (now, slope) = self.excess(ratio);
-            let next = (ratio - (now - excess) / slope).clamp(1e-3 * ratio, most);
-            let is_done = (next - ratio).abs() < 1e-12;
+            let next = ratio - (now - excess) / slope;
+            let is_done = (next - ratio).abs() < 1e-9 * ratio;
             ratio = next;
             if is_done {
                 break;
@@ -114,13 +136,15 @@ impl Length {
             let slopes = &self.sides[side];
             let mut arcs = vec![0.0];
             for piece in 0..PIECES {
-                let flat = slopes.nodes[piece + 1] - slopes.nodes[piece];
+                let flat = slopes.places[2 * piece + 2] - slopes.places[2 * piece];
                 arcs.push(arcs[piece] + flat + slopes.excess(piece, ratio).0);
             }
-            let stretch = |slope: f64| (1.0 + (ratio * slope).powi(2)).sqrt();
-            let last = slopes.slopes[PIECES - 1][2];
-            let at_nodes = slopes.slopes.iter().map(|piece| piece[0]).chain([last]);
-            Side { nodes: slopes.nodes.clone(), arcs, stretches: at_nodes.map(stretch).collect() }
+            let stretch = |slope: &f64| (1.0 + (ratio * slope).powi(2)).sqrt();
+            Side {
+                nodes: slopes.places.iter().step_by(2).copied().collect(),
+                arcs,
+                stretches: slopes.slopes.iter().step_by(2).map(stretch).collect(),
+            }
         })
     }
 }
@@ -128,7 +152,6 @@ impl Length {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wrinkle::profile::Shape;
 
     fn profile(shape: Shape) -> Profile {
         Profile { shape, w_mm: 2.0, d_mm: 1.2, fade_mm: [[6.0, 9.0], [10.0, 14.0]] }
@@ -147,7 +170,7 @@ mod tests {
     fn lengths_are_those_of_a_fine_polyline() {
         for shape in [Shape::S, Shape::Foreign { valley: [0.5, 0.57], bulge: [2.0, 1.8] }] {
             let profile = profile(shape);
-            let [_, right] = Length::of(&profile).tables(0.6);
+            let [_, right] = Length::of(&Outline::of(&shape, 7.0), &profile).tables(0.6);
             let whole = measured(&profile, 14.0);
             assert!((right.excess() - (whole - 14.0)).abs() < 2e-4, "{} {}", right.excess(), whole - 14.0);
             for to in [0.1, 0.7, 2.0, 4.4, 9.0, 13.0] {
@@ -159,7 +182,7 @@ mod tests {
 
     #[test]
     fn the_depth_for_a_length_is_found() {
-        let length = Length::of(&profile(Shape::S));
+        let length = Length::of(&Outline::of(&Shape::S, 7.0), &profile(Shape::S));
         for ratio in [0.001, 0.05, 0.4, 0.99] {
             let found = length.ratio(length.excess(ratio).0, 1.0);
             assert!((found - ratio).abs() < 1e-9, "{found} instead of {ratio}");

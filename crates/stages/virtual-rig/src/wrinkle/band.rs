@@ -51,10 +51,8 @@ fn set_side(stations: &mut [Station], side: usize, half_ways: &[f64], params: &P
     let free = smoothed(&free, &even);
     for (i, station) in stations.iter_mut().enumerate() {
         let demand = free[i].min(skin[i]);
-        let to = own(station, params.reach).min(OVERLAP * free[i]).min(skin[i]);
-        let share = params.fade_from / params.reach;
-        let from = own(station, params.fade_from).min(free[i]).min(share * to);
-        station.sides[side] = Side { demand, fade: [from, to] };
+        let end = own(station, params.reach).min(OVERLAP * free[i]).min(skin[i]);
+        station.sides[side] = Side { demand, end };
         if params.fixed.is_none() {
             station.width = station.width.min(SLENDER * free[i]);
         }

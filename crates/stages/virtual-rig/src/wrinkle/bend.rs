@@ -1,9 +1,9 @@
 //! One section at one pose: how deep it folds, and where its skin goes.
 
-use crate::wrinkle::arc::{Length, Side};
+use crate::wrinkle::arc::{self, Length};
 use crate::wrinkle::params::Params;
 use crate::wrinkle::profile::Profile;
-use crate::wrinkle::section::{Station, arc_lengths, fair, interpolate, locate};
+use crate::wrinkle::section::{self, Station, arc_lengths, fair, interpolate, locate};
 use crate::wrinkle::smooth::smooth_step;
 use nalgebra::{Point3, Vector3};
 
@@ -31,6 +31,12 @@ pub(super) struct Budget {
 
 /// A little pressure everywhere, so that shares of it are defined.
 const LEAST_PRESSURE: f64 = 1e-4;
+/// A profile with too little room fades from this share of it on.
+const EARLIEST_FADE: f64 = 0.5;
+/// About what a fold takes up, over the square of d/w and the width.
+const CAPACITY: f64 = 1.1;
+/// Less than this is rounding, mm.
+const LEAST_WANTED: f64 = 1e-10;
 /// A profile ends at this share of the room that it has, which leaves room for sides of different length.
 const ROOM: f64 = 0.97;
 
@@ -81,7 +87,7 @@ struct Fold {
     /// How far the bottom has slid along the large-scale surface, mm.
     shift: f64,
     /// Arc length of the fold's sides.
-    arcs: [Side; 2],
+    arcs: [arc::Side; 2],
     /// Skin that slides into each side, mm.
     gathered: [f64; 2],
     /// Pressed skin of each side at this station, mm.
@@ -91,12 +97,11 @@ struct Fold {
 impl Bend {
     /// `budget`: the pose's, evened out along the line.
     pub(super) fn new(station: &Station, pose: Pose, budget: Budget, params: &Params) -> Self {
-        let band: f64 = station.sides.iter().map(|side| side.demand).sum();
-        let compression = 1.0 - budget.lost / band.max(1e-9);
+        let compression = 1.0 - budget.lost / station.band();
         let flat = Profile { shape: station.shape, w_mm: station.width, d_mm: 0.0, fade_mm: [[0.0, 1.0]; 2] };
         let mut bend = Self { pose, profile: flat, compression, uptake: 1.0, fold: None };
         match params.fixed {
-            Some(fixed) => bend.press(station, fixed.d_over_w),
+            Some(fixed) => bend.press(station, fixed.d_over_w, params),
             None if budget.lost > 0.0 => bend.fold(station, budget, params),
             None => {}
         }
@@ -104,8 +109,8 @@ impl Bend {
     }
 
     /// A given depth; the skin stays where it is along the surface.
-    fn press(&mut self, station: &Station, d_over_w: f64) {
-        self.profile.fade_mm = self.fades(station, 0.0, 1.0);
+    fn press(&mut self, station: &Station, d_over_w: f64, params: &Params) {
+        self.set_width(station.width, self.ends(station, 0.0, 1.0), params);
         self.profile.d_mm = d_over_w * station.uptake * station.width;
     }
 
@@ -114,66 +119,61 @@ impl Bend {
             true => smooth_step((1.0 - self.compression) / params.onset),
             false => 1.0,
         };
-        let wanted = station.uptake * set_in * budget.lost;
-        if wanted <= 0.0 {
-            return;
-        }
         let left_share = budget.pressed[0] / (budget.pressed[0] + budget.pressed[1]);
-        let expected_shift = wanted * (left_share - 0.5);
-        self.profile.fade_mm = self.fades(station, expected_shift, ROOM);
-        let (ratio, arcs) = self.deepen(station.width, wanted, params);
+        let lost = set_in * budget.lost;
+        let capacity = CAPACITY * params.d_over_w_max.powi(2) * params.growth_max * station.width;
+        let ends = self.ends(station, station.uptake * lost.min(capacity) * (left_share - 0.5), ROOM);
+        let growth = 1.0 + (params.growth_max - 1.0) * smooth_step(lost / capacity);
+        self.set_width(growth * station.width, ends, params);
+        let Some((ratio, arcs)) = self.deepen(station, lost, params) else { return };
         self.profile.d_mm = ratio * self.profile.w_mm;
         let excess = [arcs[0].excess(), arcs[1].excess()];
         let taken: f64 = excess.iter().sum();
         self.uptake = taken / budget.lost;
-        let [left, right] = self.rooms(station).map(|room| room.1);
-        let low = self.profile.fade_mm[0][1] - left;
-        let high = right - self.profile.fade_mm[1][1];
+        let [left, right] = self.rooms(station);
+        let (low, high) = (ends[0] - left, right - ends[1]);
         let shift = (taken * left_share - excess[0]).min(high).max(low);
         let gathered = [excess[0] + shift, excess[1] - shift];
         self.fold = Some(Fold { shift, arcs, gathered, pressed: self.pressed(station) });
     }
 
-    /// Depth in widths and arc lengths of a fold that is `wanted` mm longer than the surface below it. At its deepest
-    /// it widens: the excess is nearly proportional to the width.
-    fn deepen(&mut self, width: f64, wanted: f64, params: &Params) -> (f64, [Side; 2]) {
-        let mut length = Length::of(&self.profile);
-        let mut ratio = length.ratio(wanted, params.d_over_w_max);
-        let mut arcs = length.tables(ratio);
-        for _ in 0..4 {
-            let taken = arcs[0].excess() + arcs[1].excess();
-            if ratio < params.d_over_w_max || taken <= 0.0 {
-                break;
-            }
-            let wider = (self.profile.w_mm * wanted / taken).clamp(width, params.growth_max * width);
-            if wider == self.profile.w_mm {
-                break;
-            }
-            self.profile.w_mm = wider;
-            length = Length::of(&self.profile);
-            arcs = length.tables(ratio);
-        }
-        // What the last step missed.
-        ratio = length.ratio(wanted, params.d_over_w_max);
-        (ratio, length.tables(ratio))
-    }
-
-    /// Where profiles may end on both sides: at rest, and on the large-scale surface, mm.
-    fn rooms(&self, station: &Station) -> [(f64, f64); 2] {
-        [(-1.0, 0), (1.0, 1)].map(|(sign, side)| {
-            let end = station.sides[side].fade[1];
-            (end, interpolate(&station.p, &self.pose.q, sign * end).abs())
+    /// Depth in widths and arc lengths of a fold that takes up `lost` mm or as much as it can, and less towards the
+    /// ends of its line; `None` for nothing.
+    fn deepen(&mut self, station: &Station, lost: f64, params: &Params) -> Option<(f64, [arc::Side; 2])> {
+        let length = Length::of(&station.outline, &self.profile);
+        let most = length.excess(params.d_over_w_max).0;
+        // Tapers even where there is more to take up than the fold can.
+        let wanted = station.uptake * lost.min(most);
+        (wanted > LEAST_WANTED).then(|| {
+            let ratio = length.ratio(wanted, params.d_over_w_max);
+            (ratio, length.tables(ratio))
         })
     }
 
-    /// Fading that ends within the band even when the bottom slides by `shift`.
-    fn fades(&self, station: &Station, shift: f64, share: f64) -> [[f64; 2]; 2] {
-        let rooms = self.rooms(station);
-        [(0, shift), (1, -shift)].map(|(side, gain)| {
-            let (rest, now) = rooms[side];
-            let end = rest.min(share * (now + gain)).max(0.05 * rest);
-            [station.sides[side].fade[0] / rest * end, end]
-        })
+    /// Sets width and fading of a profile that ends at `ends`. With the room it asks for, it fades over the
+    /// last widths before its reach; with less, from nearer to the bottom, so that it does not end in a step.
+    fn set_width(&mut self, width: f64, ends: [f64; 2], params: &Params) {
+        let fading = |end: f64| {
+            let missing = (params.reach * width - end).max(0.0);
+            let from = (params.fade_from * width - 2.0 * missing).max(EARLIEST_FADE * end);
+            [from.min(params.fade_from / params.reach * end), end]
+        };
+        self.profile.w_mm = width;
+        self.profile.fade_mm = ends.map(fading);
+    }
+
+    /// Where the ends of a profile at rest lie on the large-scale surface, mm.
+    fn rooms(&self, station: &Station) -> [f64; 2] {
+        let room =
+            |sign: f64, side: &section::Side| interpolate(&station.p, &self.pose.q, sign * side.end).abs();
+        [room(-1.0, &station.sides[0]), room(1.0, &station.sides[1])]
+    }
+
+    /// Where a profile ends that stays within the band even when the bottom slides by `shift`.
+    fn ends(&self, station: &Station, shift: f64, share: f64) -> [f64; 2] {
+        let [left, right] = self.rooms(station);
+        [(left + shift, station.sides[0]), (right - shift, station.sides[1])]
+            .map(|(room, side)| side.end.min(share * room).max(0.05 * side.end))
     }
 
     fn pressed(&self, station: &Station) -> [f64; 2] {
@@ -190,7 +190,7 @@ impl Bend {
     /// Where the skin at p goes, relative to its place on the large-scale surface, mm; exactly zero beyond the band.
     pub(super) fn displacement(&self, station: &Station, p: f64) -> Vector3<f64> {
         let side = usize::from(p >= 0.0);
-        let is_beyond = p.abs() >= station.sides[side].end();
+        let is_beyond = p.abs() >= station.sides[side].still_from();
         if self.is_still() || is_beyond || p < station.p[0] || p > station.p[station.p.len() - 1] {
             return Vector3::zeros();
         }

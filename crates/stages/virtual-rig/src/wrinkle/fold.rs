@@ -127,14 +127,20 @@ fn even_normals(stations: &[Station], poses: &mut [Pose], params: &Params) {
     }
 }
 
+/// Budgets whose share of the band is averaged along the line; each keeps its own band.
 fn even_budgets(stations: &[Station], poses: &[Pose], params: &Params) -> Vec<Budget> {
     let spacing = stations[1].x - stations[0].x;
-    let raw: Vec<Vector3<f64>> = poses
-        .iter()
-        .map(|pose| Vector3::new(pose.budget.lost, pose.budget.pressed[0], pose.budget.pressed[1]))
-        .collect();
-    let even = smoothed(&raw, &strides(params.smoothing_mm / spacing));
-    even.into_iter().map(|sum| Budget { lost: sum.x, pressed: [sum.y, sum.z] }).collect()
+    let share = |(station, pose): (&Station, &Pose)| {
+        let Budget { lost, pressed: [left, right] } = pose.budget;
+        Vector3::new(lost, left, right) / station.band()
+    };
+    let shares: Vec<Vector3<f64>> = stations.iter().zip(poses).map(share).collect();
+    let even = smoothed(&shares, &strides(params.smoothing_mm / spacing));
+    let budget = |(station, share): (&Station, Vector3<f64>)| {
+        let sum = share * station.band();
+        Budget { lost: sum.x, pressed: [sum.y, sum.z] }
+    };
+    stations.iter().zip(even).map(budget).collect()
 }
 
 /// The vertices that a line moves, and how.

@@ -9,9 +9,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Share of a line over which each of its ends tapers.
-const TAPER_SHARE: f64 = 0.25;
+const TAPER_SHARE: f64 = 0.3;
 /// No end tapers over more than this, mm.
-const TAPER_MAX: f64 = 12.0;
+const TAPER_MAX: f64 = 14.0;
 /// Width at the very ends as a share of that in the core.
 const END_WIDTH: f64 = 0.6;
 /// How much the width of a line varies at variation 1, as a share.
@@ -43,7 +43,8 @@ impl Form {
     /// Which share of the compression a fold takes up: 1 in the core, 0 at the ends.
     pub(super) fn uptake(&self, x: f64) -> f64 {
         let taper = (TAPER_SHARE * self.length).min(TAPER_MAX);
-        smooth_step(x / taper) * smooth_step((self.length - x) / taper)
+        // Depth goes with the root of this.
+        (smooth_step(x / taper) * smooth_step((self.length - x) / taper)).powi(2)
     }
 
     pub(super) fn width(&self, x: f64) -> f64 {

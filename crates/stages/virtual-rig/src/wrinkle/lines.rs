@@ -154,7 +154,7 @@ fn glabella(person: &mut Person) -> Vec<WrinkleLine> {
         // A single line stands beside the middle.
         let side = if number == 0 { 1.0 } else { -1.0 };
         let s = side * if count == 1 { person.vary(3.0, 2.0) } else { person.vary(6.3, 1.2) };
-        let (low, high) = (person.vary(47.0, 1.0), person.vary(60.5, 1.5));
+        let (low, high) = (person.vary(44.5, 1.0), person.vary(62.5, 1.0));
         let (lean, wave) = (person.vary(1.0, 1.0), person.wave(10.0, 30.0));
         let path = traced(low, high, |t| {
             let up = (t - low) / (high - low);
@@ -236,7 +236,7 @@ mod tests {
                 for at in &one.path {
                     let inside = match one.group {
                         Group::Forehead => (63.0..97.0).contains(&at.y) && at.x.abs() < 50.0,
-                        Group::Glabella => (44.0..65.0).contains(&at.y) && at.x.abs() < 11.0,
+                        Group::Glabella => (43.0..65.0).contains(&at.y) && at.x.abs() < 11.0,
                         Group::CrowsFeet => (50.0..73.0).contains(&at.x.abs()),
                         _ => (20.0..41.0).contains(&at.x.abs()),
                     };

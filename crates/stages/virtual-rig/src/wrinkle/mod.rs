@@ -23,7 +23,7 @@
 //! let pushed: Vec<_> = rest.iter().map(|point| Point3::new(point.x, 0.96 * point.y, 0.0)).collect();
 //! let folded = wrinkles.fold(&pushed);
 //! let deepest = folded.valleys[0].points.iter().map(|point| point.d_mm).fold(0.0, f64::max);
-//! assert!(deepest > 0.8 && deepest < 1.6);
+//! assert!(deepest > 0.8 && deepest < 2.0);
 //! # Ok::<(), virtual_rig::Error>(())
 //! ```
 

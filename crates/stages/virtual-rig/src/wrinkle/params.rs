@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// The paper's S(p) [A, Eq. 6]: a sharp crease.
+    /// The paper's S(p) [BickelBotsch2007, Eq. 6]: a sharp crease.
     S,
     /// S(p) with a rounded bottom, its two sides of different width.
     Rounded,
@@ -39,7 +39,7 @@ pub struct Params {
     pub fade_from: f64,
     /// Deepest fold, in widths.
     pub d_over_w_max: f64,
-    /// A fold at its deepest widens by up to this factor to take up more.
+    /// The more a fold takes up, the wider it gets, up to this factor.
     pub growth_max: f64,
     /// Compression (a share of length) from which on the fold takes up all of it; less stays in the skin in part, so
     /// that folds set in smoothly.

@@ -1,6 +1,7 @@
 //! Lines onto the rest surface.
 
 use crate::Error;
+use crate::wrinkle::arc::Outline;
 use crate::wrinkle::band;
 use crate::wrinkle::form::Form;
 use crate::wrinkle::lines::WrinkleLine;
@@ -199,6 +200,7 @@ fn sections(
         station.uptake = form.uptake(x);
         station.width = form.width(x);
         station.shape = form.shape(x);
+        station.outline = Outline::of(&station.shape, params.reach);
         station
     };
     let places: Vec<(usize, (&Spot, Cut))> = spots.iter().zip(frames).enumerate().collect();

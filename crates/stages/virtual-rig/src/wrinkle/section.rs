@@ -1,5 +1,6 @@
 //! Sections across a line, as material points of the skin.
 
+use crate::wrinkle::arc::Outline;
 use crate::wrinkle::profile::Shape;
 use crate::wrinkle::smooth::{smoothed, strides};
 use crate::wrinkle::surface::{Cut, Ground, Spot};
@@ -16,14 +17,14 @@ const STEEPEST: f64 = 0.25;
 pub(super) struct Side {
     /// From how far skin gathers into the fold, mm of rest skin.
     pub(super) demand: f64,
-    /// Where the profile begins to fade and where it ends, mm of rest skin.
-    pub(super) fade: [f64; 2],
+    /// Where the profile ends, mm of rest skin.
+    pub(super) end: f64,
 }
 
 impl Side {
     /// Nothing moves from here on, mm of rest skin.
-    pub(super) fn end(&self) -> f64 {
-        self.demand.max(self.fade[1])
+    pub(super) fn still_from(&self) -> f64 {
+        self.demand.max(self.end)
     }
 }
 
@@ -52,6 +53,7 @@ pub(super) struct Station {
     /// Width at rest, mm.
     pub(super) width: f64,
     pub(super) shape: Shape,
+    pub(super) outline: Outline,
     /// p < 0, p > 0.
     pub(super) sides: [Side; 2],
 }
@@ -68,7 +70,7 @@ impl Station {
         let rest = fair(&spots, ground.points, step);
         let p = arc_lengths(&rest, zero);
         let lateral = rest.iter().map(|point| (point - rest[zero]).dot(&cut.across)).collect();
-        let side = Side { demand: 0.0, fade: [0.0, 0.0] };
+        let side = Side { demand: 0.0, end: 0.0 };
         let mut station = Self {
             x,
             origin: cut.origin,
@@ -82,6 +84,7 @@ impl Station {
             uptake: 0.0,
             width: 0.0,
             shape: Shape::S,
+            outline: Outline::of(&Shape::S, 1.0),
             sides: [side; 2],
         };
         station.end_where_steep();
@@ -100,6 +103,11 @@ impl Station {
         self.lateral = self.lateral[first..=last].to_vec();
         self.rest = self.rest[first..=last].to_vec();
         self.zero -= first;
+    }
+
+    /// Length of the band from which skin gathers into the fold, mm of rest skin.
+    pub(super) fn band(&self) -> f64 {
+        (self.sides[0].demand + self.sides[1].demand).max(1e-9)
     }
 
     /// How far the section goes on side p < 0 and on side p > 0, mm of rest skin.
