@@ -1,7 +1,7 @@
 //! Times the rays of the light, and writes them for another ray tracer: `rays FOLDER [MESH]`.
 //!
-//! The rays are those that lighting casts from vertices of MESH (any that `artifact` reads, in mm), in the order in which
-//! it casts them; without a mesh, from a groove. One thread. FOLDER gets `vertices`, `triangles`, `origins`, `directions`
+//! The rays are those that lighting casts from all vertices of MESH (any that `artifact` reads, in mm), in the order in
+//! which it casts them; without a mesh, from a groove. One thread. FOLDER gets `vertices`, `triangles`, `origins`, `directions`
 //! and `occluded` (what we found), all `.npy`. One line of JSON says how fast it went.
 #![allow(clippy::disallowed_methods, reason = "measures time and writes a folder for the peer")]
 #![allow(clippy::cast_possible_truncation)]
@@ -48,11 +48,11 @@ fn measure(folder: &Path, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> 
     let start = Instant::now();
     let scene = Scene::build(positions, triangles, &[]);
     let build = start.elapsed();
-    let (points, normals) = cast_from(positions, triangles);
-    let sky = Ambient::default();
-    let rays = ambient::rays(&scene, &points, &normals, &sky);
+    let normals = mesh::vertex_normals(positions, triangles);
+    let sky = Ambient { rays: (RAYS / positions.len()).max(8) as u32, ..Ambient::default() };
+    let rays = ambient::rays(&scene, positions, &normals, &sky);
 
-    let beams = median(|| drop(irradiance(&scene, &points, &normals, &sky)));
+    let beams = median(|| drop(irradiance(&scene, positions, &normals, &sky)));
     let mut occluded = vec![];
     let single = median(|| occluded = one_by_one(&scene, &rays));
     let wide = median_of(|| cwbvh(positions, triangles, &scene, &rays));
@@ -69,18 +69,6 @@ fn measure(folder: &Path, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> 
     ))
 }
 
-/// Stretches of neighbouring vertices from all over the mesh.
-fn cast_from(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Vec<Point3<f64>>, Vec<Vector3<f64>>) {
-    let normals = mesh::vertex_normals(positions, triangles);
-    let mut order: Vec<usize> = (0..positions.len()).collect();
-    // Bands of half a millimetre: as around a painted wrinkle.
-    order.sort_by_key(|&at| ((positions[at].y * 2.0).round() as i64, (positions[at].x * 1e3) as i64));
-    let bands = RAYS / 512 / 250;
-    let step = (order.len() / bands).max(250);
-    let chosen = order.chunks(step).flat_map(|band| &band[..band.len().min(250)]);
-    chosen.map(|&at| (positions[at], normals[at])).unzip()
-}
-
 fn one_by_one(scene: &Scene, rays: &[[[f32; 3]; 2]]) -> Vec<u8> {
     let center = scene.center().coords;
     let point = |origin: [f32; 3]| Point3::from(Vector3::from(origin).cast::<f64>() + center);
@@ -92,14 +80,18 @@ fn one_by_one(scene: &Scene, rays: &[[[f32; 3]; 2]]) -> Vec<u8> {
 }
 
 /// The library's wide compressed tree.
-fn cwbvh(positions: &[Point3<f64>], triangles: &[[u32; 3]], scene: &Scene, rays: &[[[f32; 3]; 2]]) -> Duration {
+fn cwbvh(
+    positions: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    scene: &Scene,
+    rays: &[[[f32; 3]; 2]],
+) -> Duration {
     let corner = |vertex: u32| local(scene, &positions[vertex as usize]).into();
-    let list: Vec<Triangle> = triangles
-        .iter()
-        .map(|&[a, b, c]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) })
-        .collect();
+    let list: Vec<Triangle> =
+        triangles.iter().map(|&[a, b, c]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) }).collect();
     let bvh = build_cwbvh_from_tris(&list, BvhBuildParams::medium_build(), &mut Duration::default());
-    let list: Vec<RtTriangle> = bvh.primitive_indices.iter().map(|&id| RtTriangle::from(&list[id as usize])).collect();
+    let list: Vec<RtTriangle> =
+        bvh.primitive_indices.iter().map(|&id| RtTriangle::from(&list[id as usize])).collect();
     let start = Instant::now();
     let hits = rays
         .iter()
@@ -140,7 +132,9 @@ fn write_folder(
     occluded: &[u8],
 ) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    let floats = |rows: &mut dyn Iterator<Item = [f32; 3]>| rows.flatten().flat_map(f32::to_le_bytes).collect::<Vec<u8>>();
+    let floats = |rows: &mut dyn Iterator<Item = [f32; 3]>| {
+        rows.flatten().flat_map(f32::to_le_bytes).collect::<Vec<u8>>()
+    };
     let vertices = floats(&mut positions.iter().map(|point| local(scene, point)));
     write_npy(&folder.join("vertices.npy"), "<f4", &[positions.len(), 3], &vertices)?;
     let corners: Vec<u8> = triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();

@@ -29,11 +29,21 @@ pub fn irradiance(
 /// The rays that [`irradiance`] casts, in the order in which it casts them: origins, relative to [`Scene::center`] (mm),
 /// and directions. For comparisons with other ray tracers.
 #[must_use]
-pub fn rays(scene: &Scene, points: &[Point3<f64>], normals: &[Vector3<f64>], ambient: &Ambient) -> Vec<[[f32; 3]; 2]> {
+pub fn rays(
+    scene: &Scene,
+    points: &[Point3<f64>],
+    normals: &[Vector3<f64>],
+    ambient: &Ambient,
+) -> Vec<[[f32; 3]; 2]> {
     sweep::rays(&receivers(scene, points, normals, ambient), &directions::sphere(2 * ambient.rays))
 }
 
-fn receivers(scene: &Scene, points: &[Point3<f64>], normals: &[Vector3<f64>], ambient: &Ambient) -> Vec<Receiver> {
+fn receivers(
+    scene: &Scene,
+    points: &[Point3<f64>],
+    normals: &[Vector3<f64>],
+    ambient: &Ambient,
+) -> Vec<Receiver> {
     points
         .iter()
         .zip(normals)

@@ -74,6 +74,8 @@ fn graded(steps: usize, reach: f64, first: f64) -> Vec<f64> {
         let middle = (low + high) / 2.0;
         if total(middle) * first > 1.0 { high = middle } else { low = middle }
     }
-    let side: Vec<f64> = (1..=steps).map(|step| reach * (low.powi(step as i32) - 1.0) / (low.powi(steps as i32) - 1.0)).collect();
+    let side: Vec<f64> = (1..=steps)
+        .map(|step| reach * (low.powi(step as i32) - 1.0) / (low.powi(steps as i32) - 1.0))
+        .collect();
     side.iter().rev().map(|place| -place).chain([0.0]).chain(side.iter().copied()).collect()
 }

@@ -36,7 +36,8 @@ impl Plan {
     #[must_use]
     pub fn new(full: &[bool], triangles: &[[u32; 3]]) -> Self {
         let (starts, fans) = fans(full.len(), triangles);
-        let vertices = |wanted: bool| (0..full.len() as u32).filter(|&v| full[v as usize] == wanted).collect();
+        let vertices =
+            |wanted: bool| (0..full.len() as u32).filter(|&v| full[v as usize] == wanted).collect();
         let rings = Connectivity::of(full.len(), triangles).one_rings();
         Self { full: vertices(true), cheap: vertices(false), baked: None, starts, fans, rings }
     }
@@ -71,14 +72,22 @@ impl Plan {
 /// normal would look straight out of a valley and see far more sky than either wall. Other vertices get
 /// [`Ambient::cheap_rays`] and are smoothed, or are baked.
 #[must_use]
-pub fn shade(scene: &Scene, surface: &Surface<'_>, plan: &Plan, albedo: &[[f32; 3]], ambient: &Ambient) -> Vec<[f32; 3]> {
+pub fn shade(
+    scene: &Scene,
+    surface: &Surface<'_>,
+    plan: &Plan,
+    albedo: &[[f32; 3]],
+    ambient: &Ambient,
+) -> Vec<[f32; 3]> {
     let places = Places::new(scene, surface, plan, ambient);
     let direct = places.light(plan, ambient, |receivers, rays| {
         let light = under_sky(scene, receivers, ambient, rays);
         light.into_iter().map(|light| [light; 3]).collect()
     });
     match &ambient.interreflection {
-        Some(light) => interreflection::bounce(scene, surface, plan, &places, direct, albedo, ambient, light.bounces),
+        Some(light) => {
+            interreflection::bounce(scene, surface, plan, &places, direct, albedo, ambient, light.bounces)
+        }
         None => direct,
     }
 }

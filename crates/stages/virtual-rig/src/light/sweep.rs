@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::beam::{Beam, Heading, Hits, LANES, Lanes, NONE, Origins};
+use super::scene::padded;
 use nalgebra::{Point3, Vector3};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -17,7 +18,12 @@ pub(super) struct Receiver {
 
 impl Receiver {
     /// Rays start at `point` + `lift`, mm.
-    pub(super) fn new(scene: &Scene, point: &Point3<f64>, lift: &Vector3<f64>, normal: &Vector3<f64>) -> Self {
+    pub(super) fn new(
+        scene: &Scene,
+        point: &Point3<f64>,
+        lift: &Vector3<f64>,
+        normal: &Vector3<f64>,
+    ) -> Self {
         let normal = [normal.x as f32, normal.y as f32, normal.z as f32];
         Self { origin: scene.local(&(point + lift)), normal }
     }
@@ -25,7 +31,12 @@ impl Receiver {
 
 /// The irradiance (over π) of each receiver: the mean over `directions` above its horizon, weighted by their cosine, of
 /// `sky` (one radiance per direction) where nothing is in the way. A receiver without a normal gets 0.
-pub(super) fn open_sky(scene: &Scene, receivers: &[Receiver], directions: &[[f32; 3]], sky: &[f32]) -> Vec<f32> {
+pub(super) fn open_sky(
+    scene: &Scene,
+    receivers: &[Receiver],
+    directions: &[[f32; 3]],
+    sky: &[f32],
+) -> Vec<f32> {
     let headings: Vec<Heading> = directions.iter().map(|&direction| Heading::new(direction)).collect();
     let arch = Arch::new();
     by_groups(receivers, |group, stack| {
@@ -35,7 +46,12 @@ pub(super) fn open_sky(scene: &Scene, receivers: &[Receiver], directions: &[[f32
 
 /// What each receiver gets from the surface around it: the mean as in [`open_sky`] of `glow` where something is hit,
 /// given the triangle and the weights of its second and third corner.
-pub(super) fn surroundings<G>(scene: &Scene, receivers: &[Receiver], directions: &[[f32; 3]], glow: G) -> Vec<[f32; 3]>
+pub(super) fn surroundings<G>(
+    scene: &Scene,
+    receivers: &[Receiver],
+    directions: &[[f32; 3]],
+    glow: G,
+) -> Vec<[f32; 3]>
 where
     G: Fn(u32, f32, f32) -> [f32; 3] + Sync,
 {
@@ -55,7 +71,10 @@ struct Group {
 impl Group {
     fn of(receivers: &[Receiver], members: &[u32]) -> Self {
         let center = receivers[members[0] as usize].origin;
-        let mut group = Self { origins: Origins { center, offset: [[0.0; LANES]; 3] }, normal: [[0.0; LANES]; 3] };
+        let mut group = Self {
+            origins: Origins { center: padded(center), offset: [[0.0; LANES]; 3] },
+            normal: [[0.0; LANES]; 3],
+        };
         for (lane, &member) in members.iter().enumerate() {
             let receiver = &receivers[member as usize];
             for axis in 0..3 {
@@ -110,7 +129,8 @@ fn along_curve(receivers: &[Receiver]) -> Vec<u32> {
         extent = (0..3).fold(extent, |extent, axis| extent.max(receiver.origin[axis] - low[axis]));
     }
     let key = |receiver: &Receiver| {
-        let cell = |axis: usize| f64::from((receiver.origin[axis] - low[axis]) / extent) * f64::from((1 << 21) - 1);
+        let cell =
+            |axis: usize| f64::from((receiver.origin[axis] - low[axis]) / extent) * f64::from((1 << 21) - 1);
         spread(cell(0) as u64) | spread(cell(1) as u64) << 1 | spread(cell(2) as u64) << 2
     };
     let mut order: Vec<(u64, u32)> =
@@ -121,9 +141,15 @@ fn along_curve(receivers: &[Receiver]) -> Vec<u32> {
 
 /// Two zeros between the lowest 21 bits.
 fn spread(bits: u64) -> u64 {
-    [(32, 0x1f_0000_0000_ffff), (16, 0x1f_0000_ff00_00ff), (8, 0x100f_00f0_0f00_f00f), (4, 0x10c3_0c30_c30c_30c3), (2, 0x1249_2492_4924_9249)]
-        .into_iter()
-        .fold(bits, |bits, (shift, mask)| (bits | bits << shift) & mask)
+    [
+        (32, 0x1f_0000_0000_ffff),
+        (16, 0x1f_0000_ff00_00ff),
+        (8, 0x100f_00f0_0f00_f00f),
+        (4, 0x10c3_0c30_c30c_30c3),
+        (2, 0x1249_2492_4924_9249),
+    ]
+    .into_iter()
+    .fold(bits, |bits, (shift, mask)| (bits | bits << shift) & mask)
 }
 
 struct OpenSky<'a> {
@@ -177,7 +203,8 @@ impl<G: Fn(u32, f32, f32) -> [f32; 3]> NullaryFnOnce for Surroundings<'_, G> {
                 all[lane] += cosines[lane];
                 if hits.triangle[lane] != NONE {
                     let glow = (self.glow)(hits.triangle[lane], hits.u[lane], hits.v[lane]);
-                    sum[lane] = std::array::from_fn(|channel| sum[lane][channel] + cosines[lane] * glow[channel]);
+                    sum[lane] =
+                        std::array::from_fn(|channel| sum[lane][channel] + cosines[lane] * glow[channel]);
                 }
             }
         }
