@@ -142,6 +142,24 @@ fn the_bottom_of_a_groove_is_lit_as_known() {
 }
 
 #[test]
+fn a_groove_is_lit_alike_whichever_way_it_runs() {
+    for (rays, limit) in [(512, 0.02), (8192, 0.005)] {
+        let mut worst = 0f64;
+        for turn in 0..8 {
+            let turn = Rotation3::new(Vector3::new(0.4, -0.7, 1.1) * f64::from(turn));
+            for ratio in [0.2, 0.5, 1.0] {
+                let mut groove = Groove::new(ratio);
+                groove.positions.iter_mut().for_each(|point| *point = turn * *point);
+                let known = 1.0 / (1.0 + 4.0 * ratio * ratio);
+                worst = worst.max((groove.bottom_light(rays) / known - 1.0).abs());
+            }
+        }
+        println!("{rays} rays, worst of 8 ways: {:.3} %", 100.0 * worst);
+        assert!(worst < limit, "{rays} rays: {worst}");
+    }
+}
+
+#[test]
 fn a_gradient_turns_with_the_sky() {
     let turn = UnitQuaternion::from_euler_angles(0.4, -1.1, 2.0);
     let nothing = Scene::build(&[], &[], &[]);
