@@ -1,7 +1,7 @@
 //! Times the rays of the light, and writes them for another ray tracer: `rays FOLDER [MESH]`.
 //!
-//! The rays are those that lighting casts from vertices of MESH (any that `artifact` reads, in mm), in the order in which
-//! it casts them; without a mesh, from a groove. One thread. FOLDER gets `vertices`, `triangles`, `origins`, `directions`
+//! The rays are those that lighting casts from all vertices of MESH (any that `artifact` reads, in mm), in the order in
+//! which it casts them; without a mesh, from a groove. One thread. FOLDER gets `vertices`, `triangles`, `origins`, `directions`
 //! and `occluded` (what we found), all `.npy`. One line of JSON says how fast it went.
 #![allow(clippy::disallowed_methods, reason = "measures time and writes a folder for the peer")]
 #![allow(clippy::cast_possible_truncation)]
@@ -48,11 +48,11 @@ fn measure(folder: &Path, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> 
     let start = Instant::now();
     let scene = Scene::build(positions, triangles, &[]);
     let build = start.elapsed();
-    let (points, normals) = cast_from(positions, triangles);
-    let sky = Ambient::default();
-    let rays = ambient::rays(&scene, &points, &normals, &sky);
+    let normals = mesh::vertex_normals(positions, triangles);
+    let sky = Ambient { rays: (RAYS / positions.len()).max(8) as u32, ..Ambient::default() };
+    let rays = ambient::rays(&scene, positions, &normals, &sky);
 
-    let beams = median(|| drop(irradiance(&scene, &points, &normals, &sky)));
+    let beams = median(|| drop(irradiance(&scene, positions, &normals, &sky)));
     let mut occluded = vec![];
     let single = median(|| occluded = one_by_one(&scene, &rays));
     let wide = median_of(|| cwbvh(positions, triangles, &scene, &rays));
@@ -67,18 +67,6 @@ fn measure(folder: &Path, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> 
         rate(single),
         rate(wide)
     ))
-}
-
-/// Stretches of neighbouring vertices from all over the mesh.
-fn cast_from(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Vec<Point3<f64>>, Vec<Vector3<f64>>) {
-    let normals = mesh::vertex_normals(positions, triangles);
-    let mut order: Vec<usize> = (0..positions.len()).collect();
-    // Bands of half a millimetre: as around a painted wrinkle.
-    order.sort_by_key(|&at| ((positions[at].y * 2.0).round() as i64, (positions[at].x * 1e3) as i64));
-    let bands = RAYS / 512 / 250;
-    let step = (order.len() / bands).max(250);
-    let chosen = order.chunks(step).flat_map(|band| &band[..band.len().min(250)]);
-    chosen.map(|&at| (positions[at], normals[at])).unzip()
 }
 
 fn one_by_one(scene: &Scene, rays: &[[[f32; 3]; 2]]) -> Vec<u8> {

@@ -14,8 +14,10 @@ use nalgebra::{Point3, Vector3};
 /// the point are blocked by that triangle, as on the true facets.
 ///
 /// All points share [`Ambient::rays`] · 2 directions of the sphere, weighted by their cosine and normalised by the sum of
-/// the weights: the error is a smooth function on the surface (a sum of faint hard-edged shadows) rather than noise from
-/// vertex to vertex, and rays from neighbours run parallel.
+/// the weights. So the error is a smooth function on the surface (a sum of faint hard-edged shadows), nothing differs
+/// along a straight groove, and rays from neighbours run parallel. On the section of a rounded groove with d/w = 0.6 and
+/// 512 rays it is 0.13 % RMS; cosine-weighted directions in a frame of each point's own give 0.19 % if the frames follow
+/// a fixed vector, 0.16 % if they are turned at random.
 #[must_use]
 pub fn irradiance(
     scene: &Scene,

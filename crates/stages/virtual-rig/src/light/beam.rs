@@ -11,6 +11,10 @@ pub(super) const LANES: usize = 16;
 /// One number per ray.
 pub(super) type Lanes = [f32; LANES];
 
+/// A point; the fourth number is filling. Indices are masked to the length where they come from data, so that no check
+/// remains in the loops.
+pub(super) type Corner = [f32; 4];
+
 /// What does not depend on where rays start.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heading {
@@ -54,7 +58,7 @@ impl Heading {
 /// Where the rays start: relative to a centre, so that the digits go where the triangles are near.
 #[derive(Debug, Clone)]
 pub(super) struct Origins {
-    pub(super) center: [f32; 3],
+    pub(super) center: Corner,
     /// Per axis, mm from the centre.
     pub(super) offset: [Lanes; 3],
 }
@@ -97,6 +101,8 @@ pub(super) struct Beam<'a> {
     origins: &'a Origins,
     /// Starts seen along the rays, on the first two axes.
     start: [Lanes; 2],
+    /// And on the last one.
+    along: Lanes,
 }
 
 impl<'a> Beam<'a> {
@@ -108,12 +114,12 @@ impl<'a> Beam<'a> {
             start[0][lane] = origins.offset[a][lane] - heading.shear[0] * origins.offset[c][lane];
             start[1][lane] = origins.offset[b][lane] - heading.shear[1] * origins.offset[c][lane];
         }
-        Self { heading, origins, start }
+        Self { heading, origins, start, along: origins.offset[c] }
     }
 
     /// Which of two boxes lies nearer along the rays.
     #[inline(always)]
-    pub(super) fn enters_first(&self, boxes: &[[[f32; 3]; 2]; 2]) -> usize {
+    pub(super) fn enters_first(&self, boxes: &[[Corner; 2]; 2]) -> usize {
         let mut ahead = 0.0;
         for axis in 0..3 {
             let [left, right] =
@@ -125,13 +131,13 @@ impl<'a> Beam<'a> {
 
     /// Whether any ray passes a box within its reach.
     #[inline(always)]
-    pub(super) fn meets(&self, corners: &[[f32; 3]; 2], reach: &Lanes) -> bool {
+    pub(super) fn meets(&self, corners: &[Corner; 2], reach: &Lanes) -> bool {
         // Three roundings on each side of the comparison [Ize2013].
         const SLACK: f32 = 1.000_001;
-        let plane = |axis: usize, corner: usize| corners[corner][axis] - self.origins.center[axis];
+        let plane = |axis: usize, corner: usize| corners[corner & 1][axis] - self.origins.center[axis];
         let entry = self.heading.entry;
         let near = [plane(0, entry[0]), plane(1, entry[1]), plane(2, entry[2])];
-        let far = [plane(0, 1 - entry[0]), plane(1, 1 - entry[1]), plane(2, 1 - entry[2])];
+        let far = [plane(0, entry[0] ^ 1), plane(1, entry[1] ^ 1), plane(2, entry[2] ^ 1)];
         let [x, y, z] = &self.origins.offset;
         let inverse = self.heading.inverse;
         let mut any = false;
@@ -152,22 +158,27 @@ impl<'a> Beam<'a> {
     /// Takes note of the rays that a triangle stops within their reach, from either side. Watertight: projected along
     /// the rays, an edge is the same for both its triangles [Woop2013].
     #[inline(always)]
-    pub(super) fn cross<const ANY: bool>(&self, corners: &[[f32; 3]; 3], id: u32, hits: &mut Hits) {
+    pub(super) fn cross<const ANY: bool>(&self, corners: &[Corner; 3], id: u32, hits: &mut Hits) {
         let Heading { axes, shear, stretch, .. } = *self.heading;
         let center = &self.origins.center;
-        let [p, q, r] = corners.map(|corner| {
-            let along = corner[axes[2]] - center[axes[2]];
-            let flat = |axis: usize| corner[axes[axis]] - center[axes[axis]] - shear[axis] * along;
-            [flat(0), flat(1), along]
-        });
-        let along = &self.origins.offset[axes[2]];
+        // Loops, not closures: those are left out when the caller is compiled for wider vectors.
+        let mut seen = [[0.0; 3]; 3];
+        for corner in 0..3 {
+            let place = |axis: usize| corners[corner][axes[axis] & 3] - center[axes[axis] & 3];
+            let along = place(2);
+            for axis in 0..2 {
+                seen[corner][axis] = place(axis) - shear[axis] * along;
+            }
+            seen[corner][2] = along;
+        }
+        let [p, q, r] = seen;
         for lane in 0..LANES {
             let (x, y) = (self.start[0][lane], self.start[1][lane]);
             let [px, py, qx, qy, rx, ry] = [p[0] - x, p[1] - y, q[0] - x, q[1] - y, r[0] - x, r[1] - y];
             let [a, b, c] = [rx * qy - ry * qx, px * ry - py * rx, qx * py - qy * px];
             let inside = (min(min(a, b), c) >= 0.0) | (max(max(a, b), c) <= 0.0);
             let area = a + b + c;
-            let t = ((a * p[2] + b * q[2] + c * r[2]) / area - along[lane]) * stretch;
+            let t = ((a * p[2] + b * q[2] + c * r[2]) / area - self.along[lane]) * stretch;
             let reach = hits.reach[lane];
             if ANY {
                 hits.reach[lane] = if inside & (t > 0.0) & (t < reach) { -1.0 } else { reach };

@@ -1,6 +1,6 @@
 //! Directions spread evenly over the sphere.
 
-/// `count` directions of the spherical Fibonacci lattice [Marques2013, Sec. 3]: each stands for the same solid angle, and
+/// `count` directions of the spherical Fibonacci lattice [Marques2013]: each stands for the same solid angle, and
 /// any half of the sphere holds half of them, give or take a few. Its axis is turned away from the axes of faces and
 /// grooves, where the lattice's rows would fall onto horizons one row at a time.
 pub(super) fn sphere(count: u32) -> Vec<[f32; 3]> {

@@ -2,7 +2,10 @@
 //!
 //! The profile is S(p) = d (|p|/w − 1) e^(−|p|/w). At its bottom each wall's own horizon is its tangent, and the other
 //! wall's horizon is that wall's tangent, so that by symmetry the light on either wall tends to the same value there. The
-//! smooth normal of the crease would give another, larger one.
+//! smooth normal of the crease would give another, larger one: its root.
+//!
+//! Largest error of the traced light at d/w from 0.1 to 1: with 512 rays 0.6 % along x, 1.5 % over grooves turned in
+//! space (at d/w = 1, where a fifth of the sky is left); with 8192 rays 0.25 % whichever way the groove runs.
 
 use super::{Ambient, Plan, Scene, Surface, shade};
 use mesh::vertex_normals;

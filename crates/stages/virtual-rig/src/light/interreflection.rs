@@ -4,8 +4,8 @@ use super::shading::{Places, Plan, Surface};
 use super::sweep::surroundings;
 use super::{Ambient, Scene, directions};
 
-/// Light with `bounces` of interreflection, per vertex and channel, over π: B₀ = E, Bₖ₊₁ = E + G(ρ Bₖ) [GoralTorrance1984,
-/// Eq. 5 by gathering], where G is the mean over the hemisphere, weighted by the cosine, of what blocked rays hit: ρ B
+/// Light with `bounces` of interreflection, per vertex and channel, over π: B₀ = E, Bₖ₊₁ = E + G(ρ Bₖ) [Goral1984],
+/// gathered, where G is the mean over the hemisphere, weighted by the cosine, of what blocked rays hit: ρ B
 /// there, interpolated between the triangle's corners. All is Lambertian. What comes out meets the receiver's own ρ only
 /// when it is seen. Occluders that are not part of the surface throw nothing back.
 #[allow(clippy::too_many_arguments, reason = "one step of `shade`, of what it has at hand")]

@@ -1,5 +1,6 @@
 //! What stands in the way of light.
 
+use super::beam::Corner;
 use super::tree::Tree;
 use nalgebra::{Point3, Vector3};
 use obvhs::BvhBuildParams;
@@ -48,18 +49,21 @@ impl Scene {
         let empty = low.x > high.x;
         let center = if empty { Vector3::zeros() } else { (low + high) / 2.0 };
         let radius = if empty { 0.0 } else { (high - low).amax() / 2.0 };
-        let corners: Vec<[[f32; 3]; 3]> = meshes()
+        let corners: Vec<[Corner; 3]> = meshes()
             .flat_map(|(points, triangles)| triangles.iter().map(move |triangle| (points, triangle)))
             .map(|(points, triangle)| {
-                triangle.map(|vertex| single(&(points[vertex as usize].coords - center)))
+                triangle.map(|vertex| padded(single(&(points[vertex as usize].coords - center))))
             })
             .collect();
         Self::over(&corners, center, radius)
     }
 
-    fn over(corners: &[[[f32; 3]; 3]], center: Vector3<f64>, radius: f64) -> Self {
-        let triangles: Vec<Triangle> =
-            corners.iter().map(|&[a, b, c]| Triangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect();
+    fn over(corners: &[[Corner; 3]], center: Vector3<f64>, radius: f64) -> Self {
+        let triangles: Vec<Triangle> = corners
+            .iter()
+            .map(|corners| corners.map(|[x, y, z, _]| [x, y, z].into()))
+            .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
+            .collect();
         let bvh = build_bvh2_from_tris(&triangles, build_params(), &mut std::time::Duration::default());
         let margin = 4.0 * f32::EPSILON * radius as f32;
         let tree = Tree::new(&bvh, corners, margin);
@@ -113,6 +117,10 @@ impl std::fmt::Debug for Scene {
 
 fn single(vector: &Vector3<f64>) -> [f32; 3] {
     [vector.x as f32, vector.y as f32, vector.z as f32]
+}
+
+pub(super) fn padded([x, y, z]: [f32; 3]) -> Corner {
+    [x, y, z, 0.0]
 }
 
 /// Built anew for each frame, so that the build must not take long beside the casting.

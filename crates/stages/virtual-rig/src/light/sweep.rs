@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::beam::{Beam, Heading, Hits, LANES, Lanes, NONE, Origins};
+use super::scene::padded;
 use nalgebra::{Point3, Vector3};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
@@ -70,8 +71,10 @@ struct Group {
 impl Group {
     fn of(receivers: &[Receiver], members: &[u32]) -> Self {
         let center = receivers[members[0] as usize].origin;
-        let mut group =
-            Self { origins: Origins { center, offset: [[0.0; LANES]; 3] }, normal: [[0.0; LANES]; 3] };
+        let mut group = Self {
+            origins: Origins { center: padded(center), offset: [[0.0; LANES]; 3] },
+            normal: [[0.0; LANES]; 3],
+        };
         for (lane, &member) in members.iter().enumerate() {
             let receiver = &receivers[member as usize];
             for axis in 0..3 {

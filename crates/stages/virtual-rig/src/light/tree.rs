@@ -1,15 +1,15 @@
-//! The tree of boxes as beams walk it: two boxes a line of cache, triangles in the order of the leaves.
+//! The tree of boxes as beams walk it: two boxes, two lines of cache, triangles in the order of the leaves.
 
-use super::beam::{Beam, Hits};
+use super::beam::{Beam, Corner, Hits};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 /// The children of an inner node.
 #[derive(Debug, Clone, Copy)]
-#[repr(C, align(64))]
+#[repr(C, align(16))]
 struct Pair {
     /// Per child its low and its high corner.
-    corners: [[[f32; 3]; 2]; 2],
+    corners: [[Corner; 2]; 2],
     /// Per child the first triangle if it is a leaf, else its pair.
     first: [u32; 2],
     /// Per child the number of triangles; 0: an inner node.
@@ -20,14 +20,14 @@ struct Pair {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tree {
     pairs: Vec<Pair>,
-    corners: Vec<[[f32; 3]; 3]>,
+    corners: Vec<[Corner; 3]>,
     /// Per triangle its place in the caller's list.
     ids: Vec<u32>,
 }
 
 impl Tree {
     /// From the library's tree over `triangles`; boxes grow by `margin` mm, so that rounding loses no triangle.
-    pub(super) fn new(bvh: &Bvh2, triangles: &[[[f32; 3]; 3]], margin: f32) -> Self {
+    pub(super) fn new(bvh: &Bvh2, triangles: &[[Corner; 3]], margin: f32) -> Self {
         let ids = bvh.primitive_indices.clone();
         let corners = ids.iter().map(|&id| triangles[id as usize]).collect();
         let mut tree = Self { pairs: Vec::with_capacity(bvh.nodes.len() / 2 + 1), corners, ids };
@@ -74,7 +74,8 @@ impl Tree {
             let pair = &self.pairs[at as usize];
             let first = beam.enters_first(&pair.corners);
             // The nearer child goes on the stack last; leaves are looked at at once.
-            for side in [1 - first, first] {
+            for turn in [1, 0] {
+                let side = (first ^ turn) & 1;
                 if !beam.meets(&pair.corners[side], &hits.reach) {
                     continue;
                 }
@@ -82,9 +83,9 @@ impl Tree {
                     stack.push(pair.first[side]);
                     continue;
                 }
-                for triangle in pair.first[side]..pair.first[side] + pair.count[side] {
-                    let triangle = triangle as usize;
-                    beam.cross::<ANY>(&self.corners[triangle], self.ids[triangle], hits);
+                let leaf = pair.first[side] as usize..(pair.first[side] + pair.count[side]) as usize;
+                for (corners, &id) in self.corners[leaf.clone()].iter().zip(&self.ids[leaf]) {
+                    beam.cross::<ANY>(corners, id, hits);
                 }
                 if ANY && hits.all_blocked() {
                     return;
@@ -98,14 +99,17 @@ impl Pair {
     fn of(nodes: [&Bvh2Node; 2], margin: f32) -> Self {
         let corners = nodes.map(|node| {
             let (low, high) = (node.aabb.min, node.aabb.max);
-            [[low.x, low.y, low.z].map(|x| x - margin), [high.x, high.y, high.z].map(|x| x + margin)]
+            [
+                [low.x, low.y, low.z, 0.0].map(|x| x - margin),
+                [high.x, high.y, high.z, 0.0].map(|x| x + margin),
+            ]
         });
         Self { corners, first: nodes.map(|node| node.first_index), count: nodes.map(|node| node.prim_count) }
     }
 
     /// The second child as a box that nothing meets.
     fn left_only(mut self) -> Self {
-        self.corners[1] = [[f32::MAX; 3], [f32::MIN; 3]];
+        self.corners[1] = [[f32::MAX; 4], [f32::MIN; 4]];
         self
     }
 }
