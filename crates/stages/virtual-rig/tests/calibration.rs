@@ -340,7 +340,7 @@ fn params_are_read_as_written() {
     assert!(serde_json::from_str::<Board>(unknown).is_err());
 }
 
-/// Pictures and truth for `tools/peers/board_check.py`, into the folder that `BOARDS` names.
+/// Pictures and truth for `tools/peers/_board_corners.py`, into the folder that `BOARDS` names.
 #[test]
 #[ignore = "writes pictures for OpenCV"]
 fn write_pictures_for_opencv() {
