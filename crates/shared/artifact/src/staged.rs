@@ -260,6 +260,32 @@ impl Write for Sink {
 }
 
 impl Staged {
+    /// The name and the temporary name of an output that another library writes by itself, into a file of its own at
+    /// [`Staged::temporary`]; that name keeps the ending, by which such libraries choose the format. Missing folders are
+    /// made.
+    ///
+    /// # Errors
+    /// If the name will not do, or the folder cannot be made.
+    #[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
+    pub fn reserve(path: &Path) -> Result<Self> {
+        refuse_pipe(path)?;
+        refuse_special(path)?;
+        let (Some(stem), Some(ending)) = (path.file_stem(), path.extension()) else {
+            return Err(
+                Error::new(path, "has no ending that tells its format").fix("name a file like m1.avi")
+            );
+        };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(|cause| Error::io(folder, "make the folder", &cause))?;
+        let (stem, ending) = (stem.to_string_lossy(), ending.to_string_lossy());
+        let temporary = folder.join(format!(".{stem}.{}.part.{ending}", std::process::id()));
+        if let Ok(mut paths) = UNFINISHED.lock() {
+            paths.push(temporary.clone());
+        }
+        let temporary = Some(Temporary { path: temporary, key: None });
+        Ok(Self { path: path.to_path_buf(), temporary })
+    }
+
     /// The name that the output will have.
     #[must_use]
     pub fn path(&self) -> &Path {

@@ -34,6 +34,23 @@ fn an_output_that_is_dropped_leaves_nothing() {
 }
 
 #[test]
+fn a_reserved_name_keeps_its_ending_and_leaves_nothing() {
+    let place = Place::new();
+    let path = place.path("footage/m1.avi");
+    let staged = Staged::reserve(&path).unwrap();
+    let temporary = staged.temporary().unwrap().to_path_buf();
+    assert_eq!((temporary.parent(), temporary.extension()), (path.parent(), path.extension()));
+    std::fs::write(&temporary, b"half").unwrap();
+    drop(staged);
+    assert!(!temporary.exists() && !path.exists());
+    let staged = Staged::reserve(&path).unwrap();
+    std::fs::write(&temporary, b"whole").unwrap();
+    staged.publish().unwrap();
+    assert_eq!((temporary.exists(), bytes(&path)), (false, b"whole".to_vec()));
+    assert!(Staged::reserve(&place.path("m1")).err().unwrap().to_string().contains("has no ending"));
+}
+
+#[test]
 fn publishing_replaces_the_whole_file_at_once() {
     let place = Place::new();
     let path = place.file("out.json", "a longer text from before");

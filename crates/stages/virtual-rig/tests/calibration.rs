@@ -33,7 +33,7 @@ fn rig() -> Vec<Camera> {
 
 fn charuco() -> Board {
     let dictionary = Dictionary::FourByFour50;
-    Board::Charuco { columns: 7, rows: 5, square_mm: 40.0, marker_mm: 28.0, dictionary }
+    Board::Charuco { columns: 6, rows: 5, square_mm: 42.0, marker_mm: 33.0, dictionary }
 }
 
 fn views(board: Board, count: usize) -> BoardViews {
@@ -106,10 +106,10 @@ fn corners_have_the_numbers_and_places_of_opencv() {
     assert_eq!(corners.len(), 12);
     assert_eq!(corners[0].point_in_board, Point3::new(10.0, 10.0, 0.0));
     assert_eq!((corners[5].id, corners[5].point_in_board), (5, Point3::new(20.0, 20.0, 0.0)));
-    // cv2.aruco.CharucoBoard((7, 5), 40, 28, …).getChessboardCorners()
+    // cv2.aruco.CharucoBoard((6, 5), 42, 33, …).getChessboardCorners()
     let corners = charuco().corners();
-    assert_eq!(corners.len(), 24);
-    assert_eq!(corners[6].point_in_board, Point3::new(40.0, 80.0, 0.0));
+    assert_eq!(corners.len(), 20);
+    assert_eq!(corners[6].point_in_board, Point3::new(84.0, 84.0, 0.0));
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn what_makes_no_sense_is_named() {
 
 #[test]
 fn params_are_read_as_written() {
-    let text = r#"{"boards": {"board": {"charuco": {"columns": 7, "rows": 5, "square_mm": 40.0, "marker_mm": 28.0,
+    let text = r#"{"boards": {"board": {"charuco": {"columns": 6, "rows": 5, "square_mm": 42.0, "marker_mm": 33.0,
         "dictionary": "4x4_50"}}, "count": 3}}"#;
     let params: Params = serde_json::from_str(text).unwrap();
     assert_eq!((params.boards.board.clone(), params.boards.count), (charuco(), 3));
@@ -340,7 +340,7 @@ fn params_are_read_as_written() {
     assert!(serde_json::from_str::<Board>(unknown).is_err());
 }
 
-/// Pictures and truth for `tools/peers/board_check.py`, into the folder that `BOARDS` names.
+/// Pictures and truth for `tools/peers/_board_corners.py`, into the folder that `BOARDS` names.
 #[test]
 #[ignore = "writes pictures for OpenCV"]
 fn write_pictures_for_opencv() {

@@ -93,7 +93,7 @@ impl Clock {
         if !self.offset_s.is_finite() {
             return refuse(place, "offset_s", format!("{} s", self.offset_s));
         }
-        if !(self.drift_ppm.abs() <= 1e5) {
+        if !(-1e5..=1e5).contains(&self.drift_ppm) {
             return refuse(place, "drift_ppm", format!("{} ppm; −100000 to 100000 will do", self.drift_ppm));
         }
         let most = MAX_JITTER * f64::from(self.every) / rate_hz;
