@@ -289,8 +289,10 @@ mod tests {
     use super::*;
     use crate::paint::{GREEN, HalfWidth, Outline};
 
+    type Grid = (Vec<Point3<f64>>, Vec<Vector3<f64>>, Vec<[u32; 3]>);
+
     /// A flat grid of 1 mm cells in the plane z = 0, facing +z.
-    fn grid(cells: u32) -> (Vec<Point3<f64>>, Vec<Vector3<f64>>, Vec<[u32; 3]>) {
+    fn grid(cells: u32) -> Grid {
         let side = cells + 1;
         let points: Vec<_> =
             (0..side * side).map(|i| Point3::new(f64::from(i % side), f64::from(i / side), 0.0)).collect();
