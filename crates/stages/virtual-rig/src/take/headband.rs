@@ -45,7 +45,7 @@ impl Headband {
             at - out.normalize() * (BALL_MM + 0.6)
         };
         let line: Vec<Point3<f64>> = balls.iter().map(|(_, at)| behind(at)).collect();
-        add(strip(&line, BAND_MM), BAND_ALBEDO);
+        add(strip(&smooth(&line), BAND_MM), BAND_ALBEDO);
         let mesh = Mesh::from_triangles(points, &triangles);
         Self { balls, mesh, albedo }
     }
@@ -59,4 +59,27 @@ impl Headband {
     pub(super) fn centers(&self) -> impl Iterator<Item = Point3<f64>> {
         self.balls.iter().map(|(_, center)| *center)
     }
+}
+
+/// Pieces of the band between two balls.
+const PIECES: usize = 10;
+
+/// A curve through points (Catmull–Rom).
+fn smooth(line: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    let last = line.len().saturating_sub(1);
+    let mut curve = Vec::new();
+    for i in 0..last {
+        let (a, b) = (line[i].coords, line[i + 1].coords);
+        let (before, after) = (line[i.saturating_sub(1)].coords, line[(i + 2).min(last)].coords);
+        let (from, to) = (0.5 * (b - before), 0.5 * (after - a));
+        for piece in 0..PIECES {
+            let u = piece as f64 / PIECES as f64;
+            let (u2, u3) = (u * u, u * u * u);
+            let point = a * (2.0 * u3 - 3.0 * u2 + 1.0) + from * (u3 - 2.0 * u2 + u) + b * (3.0 * u2 - 2.0 * u3)
+                + to * (u3 - u2);
+            curve.push(point.into());
+        }
+    }
+    curve.extend(line.last());
+    curve
 }

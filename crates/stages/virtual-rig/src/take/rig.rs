@@ -75,7 +75,7 @@ pub fn paper_rig(seed: u64) -> BTreeMap<String, Placement> {
         };
     let mut rig = BTreeMap::new();
     for (i, direction) in MOCAP_DIRECTIONS.into_iter().enumerate() {
-        let camera = place(Role::Mocap, MOCAP_SIZE, direction, 1230.0, 720.0, [0.0, 12.0, 45.0]);
+        let camera = place(Role::Mocap, MOCAP_SIZE, direction, 1450.0, 720.0, [0.0, 12.0, 45.0]);
         rig.insert(format!("m{}", i + 1), camera);
     }
     for (i, direction) in WRINKLE_DIRECTIONS.into_iter().enumerate() {

@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::film::{self, Exposure, Grain, Moment, Scene, Skin, Solid};
 use crate::light;
-use crate::paint::Layers;
 use crate::take::shapes::ball;
 use crate::take::{Pose, Role, Station, Studio};
 use mesh::{Mesh, vertex_normals};
@@ -131,9 +130,8 @@ impl Studio {
         };
         let dark: Vec<Vec<[f32; 3]>> = set.props.iter().map(|piece| vec![[0.0; 3]; piece.light.len()]).collect();
         let props: Vec<Solid> = set.props.iter().zip(&dark).map(|(piece, dark)| piece.lit_by(dark)).collect();
-        let bare = Layers::build(&[], &[], &[], Vec::new(), Vec::new());
         let film = film::Film { background: [0.0; 3], gloss: None, ..self.scenario.film.clone() };
-        let picture = film::expose(&station.camera, &Scene { face, layers: &bare, props: &props }, &film)?;
+        let picture = film::expose(&station.camera, &Scene { face, layers: &self.bare, props: &props }, &film)?;
         let value = |x: f32| (65535.0 * x.clamp(0.0, 1.0)).round() as u16;
         let mut codes: Vec<u16> = picture.radiance.iter().flatten().map(|x| value(*x)).collect();
         if station.mirrored {

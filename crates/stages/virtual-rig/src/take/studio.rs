@@ -21,6 +21,8 @@ pub struct Studio {
     pub(super) body: Body,
     pub(super) wrinkles: Wrinkles,
     pub(super) layers: Layers,
+    /// The face without paint.
+    pub(super) bare: Layers,
     pub(super) headband: Headband,
     pub(super) stations: BTreeMap<String, Station>,
     pub(super) performance: Performance,
@@ -64,11 +66,12 @@ impl Studio {
         let strokes = strokes(&scenario, &wrinkles);
         let layers =
             Layers::build(rest, &normals, &body.triangles, dots(&scenario, &body, &normals), strokes);
+        let bare = Layers::build(rest, &normals, &body.triangles, Vec::new(), Vec::new());
         let (performance, events) = perform(&scenario, &body, given.clip)?;
         let headband = Headband::of(&body, &scenario);
         let stations = stations(&scenario, &body)?;
         let (plan, baked) = light_at_rest(&scenario, &body, &wrinkles, &normals);
-        Ok(Self { scenario, body, wrinkles, layers, headband, stations, performance, events, plan, baked })
+        Ok(Self { scenario, body, wrinkles, layers, bare, headband, stations, performance, events, plan, baked })
     }
 
     /// What the studio was set up for.

@@ -15,7 +15,7 @@ use virtual_rig::take::Given;
 
 #[derive(clap::Args, Serialize)]
 #[command(next_help_heading = "A face of yours")]
-pub(crate) struct Arguments {
+pub(crate) struct GivenFace {
     /// Scan that acts instead of the parametric face: .obj or .ply, any polygons, open or closed
     #[arg(long, value_name = "FILE", requires = "landmarks", requires = "unit")]
     mesh: Option<PathBuf>,
@@ -49,7 +49,7 @@ fn named_file(text: &str) -> Result<(String, PathBuf), String> {
     }
 }
 
-impl Arguments {
+impl GivenFace {
     /// Reads what is given.
     pub(super) fn read(&self, run: &mut Run, scenario: &mut Scenario) -> anyhow::Result<Given> {
         let clip = match &self.weights {

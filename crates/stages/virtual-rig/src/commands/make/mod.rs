@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     choice: Choice,
     #[command(flatten)]
-    given: given::Arguments,
+    given: given::GivenFace,
     /// Frames to film, by their absolute numbers; the rest of the take stays the same
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -47,7 +47,7 @@ struct Parameters<'a> {
     scenario: &'a Scenario,
     frames: String,
     #[serde(flatten)]
-    given: &'a given::Arguments,
+    given: &'a given::GivenFace,
 }
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {

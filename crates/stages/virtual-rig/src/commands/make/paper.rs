@@ -30,7 +30,7 @@ impl Paper {
     /// Writes the manifest and the scan under temporary names, since everything refers to their hashes.
     pub(super) fn new(
         studio: &Studio,
-        given: &given::Arguments,
+        given: &given::GivenFace,
         out: &Path,
     ) -> anyhow::Result<(Self, Vec<Staged>)> {
         let folder = out.join("take");
@@ -103,7 +103,7 @@ fn clock(studio: &Studio) -> Clock {
     }
 }
 
-fn manifest(studio: &Studio, given: &given::Arguments, scan: &MeshRef, clock: Clock) -> Take {
+fn manifest(studio: &Studio, given: &given::GivenFace, scan: &MeshRef, clock: Clock) -> Take {
     let scenario = studio.scenario();
     let extent = scenario.extent;
     let camera = |(id, station): (&String, &Station)| {
