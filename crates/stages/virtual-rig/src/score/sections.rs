@@ -115,14 +115,14 @@ impl Tally {
     fn add_gate(&mut self, truth: &[Section], result: &[Section]) {
         let deep = |section: &&Section| section.d_px > 0.0;
         let mut ratios = Pool::default();
-        truth.iter().filter(deep).for_each(|section| ratios.add(section.d_px / section.w_px));
-        if ratios.len() == 0 {
+        // Wrinkles run out flat at their ends: the median over all of the length says how deep they are.
+        let ratio = |section: &Section| if section.d_px > 0.0 { section.d_px / section.w_px } else { 0.0 };
+        truth.iter().for_each(|section| ratios.add(ratio(section)));
+        if truth.iter().all(|section| section.d_px == 0.0) {
             let rejected = !result.is_empty() && result.iter().all(|section| section.d_px == 0.0);
             self.flat[0] += usize::from(rejected);
             self.flat[1] += 1;
-        } else if ratios.len() == truth.len()
-            && ratios.median("").is_ok_and(|median| SHALLOW.contains(&median))
-        {
+        } else if ratios.median("").is_ok_and(|median| SHALLOW.contains(&median)) {
             let kept = !result.is_empty() && 2 * result.iter().filter(deep).count() >= result.len();
             self.shallow[0] += usize::from(kept);
             self.shallow[1] += 1;

@@ -70,7 +70,8 @@ fn truth() -> (SectionsHeader, Vec<SectionsFrame>) {
         rate: None,
         take: Some(take("t1")),
     };
-    let ratio = |wrinkle: usize, u: f64| [0.35 + 0.05 * u, 0.4, 0.0, 0.1][wrinkle];
+    let ratio =
+        |wrinkle: usize, u: f64| [0.35 + 0.05 * u, 0.4, 0.0, if u < 0.2 { 0.0 } else { 0.1 }][wrinkle];
     let sections = |wrinkle: usize, frame: i64| {
         let curve = curve(wrinkle, frame);
         (0..=32).map(|i| f64::from(i) / 8.0).map(|u| section(&curve, u, ratio(wrinkle, u))).collect()
