@@ -89,7 +89,9 @@ pub use sections::{
     Profile, Section, SectionDeviation, SectionState, Sections, SectionsFrame, SectionsHeader,
 };
 pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
-pub use staged::{Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, require_new_folder, stage_bytes};
+pub use staged::{
+    Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, require_new_folder, stage_bytes,
+};
 pub use sync::{Shown, SyncCamera, SyncFrame, SyncHeader, SyncSource, TimeBase};
 pub use take::{Axis, Clock, Consent, Footage, Take, TakeCamera, TakeRef};
 pub use tracks_2d::{Sample2d, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};

@@ -160,7 +160,10 @@ fn stamps_are_written_as_the_camera_believes() {
     let schedule = Schedule::plan(&[m1, w1], Rate { frames: 30000, seconds: 1001 }, 0.4, 1).unwrap();
     let texts: Vec<(&str, String)> = time_stamps_csv(&schedule).collect();
     let lines: Vec<&str> = texts[0].1.lines().collect();
-    assert_eq!((texts[0].0, &lines[..4]), ("m1", &["index,time_s", "0,0.000000", "1,0.033367", "2,0.033367"][..]));
+    assert_eq!(
+        (texts[0].0, &lines[..4]),
+        ("m1", &["index,time_s", "0,0.000000", "1,0.033367", "2,0.033367"][..])
+    );
     let lines: Vec<&str> = texts[1].1.lines().collect();
     assert_eq!((texts[1].0, &lines[1..]), ("w,1", &["0,-0.020000", "1,0.246933"][..]));
     assert!(!texts[0].1.contains("-0.000000"));

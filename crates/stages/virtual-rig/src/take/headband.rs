@@ -18,7 +18,9 @@ pub(super) struct Headband {
 pub(super) const BALL_MM: f64 = 1.8;
 /// Height of the band, mm.
 const BAND_MM: f64 = 7.0;
-const BAND_ALBEDO: [f32; 3] = [0.05, 0.05, 0.055];
+/// The band goes on so far behind its outer balls, mm.
+const OVERHANG_MM: f64 = 16.0;
+const BAND_ALBEDO: [f32; 3] = [0.09, 0.09, 0.10];
 
 impl Headband {
     pub(super) fn of(body: &Body, scenario: &Scenario) -> Self {
@@ -67,7 +69,7 @@ const PIECES: usize = 10;
 /// A curve through points (Catmull–Rom).
 fn smooth(line: &[Point3<f64>]) -> Vec<Point3<f64>> {
     let last = line.len().saturating_sub(1);
-    let mut curve = Vec::new();
+    let mut curve: Vec<Point3<f64>> = Vec::new();
     for i in 0..last {
         let (a, b) = (line[i].coords, line[i + 1].coords);
         let (before, after) = (line[i.saturating_sub(1)].coords, line[(i + 2).min(last)].coords);
@@ -75,11 +77,18 @@ fn smooth(line: &[Point3<f64>]) -> Vec<Point3<f64>> {
         for piece in 0..PIECES {
             let u = piece as f64 / PIECES as f64;
             let (u2, u3) = (u * u, u * u * u);
-            let point = a * (2.0 * u3 - 3.0 * u2 + 1.0) + from * (u3 - 2.0 * u2 + u) + b * (3.0 * u2 - 2.0 * u3)
+            let point = a * (2.0 * u3 - 3.0 * u2 + 1.0)
+                + from * (u3 - 2.0 * u2 + u)
+                + b * (3.0 * u2 - 2.0 * u3)
                 + to * (u3 - u2);
             curve.push(point.into());
         }
     }
     curve.extend(line.last());
+    // A band does not end at its last ball.
+    if let [first, second, .., before, end] = curve[..] {
+        curve.insert(0, first + (first - second).normalize() * OVERHANG_MM);
+        curve.push(end + (end - before).normalize() * OVERHANG_MM);
+    }
     curve
 }

@@ -25,8 +25,7 @@ impl Studio {
     /// Clocks or faults that leave a camera without images.
     pub fn schedule(&self) -> Result<Schedule, Error> {
         let extent = &self.scenario.extent;
-        let cameras: Vec<Timed> =
-            self.stations.iter().map(|(id, station)| self.timed(id, station)).collect();
+        let cameras: Vec<Timed> = self.stations.iter().map(|(id, station)| self.timed(id, station)).collect();
         let duration_s = f64::from(extent.frames) / extent.rate.hz();
         Schedule::plan(&cameras, extent.rate, duration_s, self.scenario.seed)
     }
@@ -60,7 +59,8 @@ impl Studio {
 /// The images of each frame of the mocap clock (counted from the first one), cameras in order.
 #[must_use]
 pub fn shots_by_frame(schedule: &Schedule, frames: u32) -> BTreeMap<i64, Vec<Shot>> {
-    let mut shots: BTreeMap<i64, Vec<Shot>> = (0..i64::from(frames)).map(|frame| (frame, Vec::new())).collect();
+    let mut shots: BTreeMap<i64, Vec<Shot>> =
+        (0..i64::from(frames)).map(|frame| (frame, Vec::new())).collect();
     for (camera, entries) in &schedule.cameras {
         for entry in entries {
             let of_frame = shots.entry(entry.mocap_frame).or_default();

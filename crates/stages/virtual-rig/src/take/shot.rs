@@ -102,9 +102,11 @@ impl Studio {
         time_s: f64,
     ) -> Result<Vec<u8>, Error> {
         let drift = 1.0 + self.scenario.gain_drift * (TAU * time_s / GAIN_PERIOD_S).sin();
-        let flash = self.scenario.flash.as_ref().map_or(1.0, |flash| {
-            flash.brightness(self.scenario.extent.rate, time_s, station.exposure_s)
-        });
+        let flash = self
+            .scenario
+            .flash
+            .as_ref()
+            .map_or(1.0, |flash| flash.brightness(self.scenario.extent.rate, time_s, station.exposure_s));
         let sensor = film::Sensor { gain: station.sensor.gain * drift * flash, ..station.sensor.clone() };
         let grain = Grain { seed: self.scenario.seed, camera: station.number, frame: shot };
         let mut image = film::develop(exposure, &sensor, grain)?;
@@ -121,17 +123,21 @@ impl Studio {
     /// [`Error::Parameter`] if the film's parameters make no sense.
     pub fn normals_of(&self, set: &Set, station: &Station) -> Result<Vec<u16>, Error> {
         let rotation = station.camera.cam_from_world.rotation;
-        let code = |normal: &Vector3<f64>| -> [f32; 3] { (rotation * normal).map(|x| 0.5 * (x as f32 + 1.0)).into() };
+        let code = |normal: &Vector3<f64>| -> [f32; 3] {
+            (rotation * normal).map(|x| 0.5 * (x as f32 + 1.0)).into()
+        };
         let codes: Vec<[f32; 3]> = set.normals.iter().map(code).collect();
         let light = vec![[1.0; 3]; codes.len()];
         let face = Solid {
             skin: Skin { triangles: &self.body.triangles, albedo: &codes },
             moment: still(&set.skin_in_world, &light),
         };
-        let dark: Vec<Vec<[f32; 3]>> = set.props.iter().map(|piece| vec![[0.0; 3]; piece.light.len()]).collect();
+        let dark: Vec<Vec<[f32; 3]>> =
+            set.props.iter().map(|piece| vec![[0.0; 3]; piece.light.len()]).collect();
         let props: Vec<Solid> = set.props.iter().zip(&dark).map(|(piece, dark)| piece.lit_by(dark)).collect();
         let film = film::Film { background: [0.0; 3], gloss: None, ..self.scenario.film.clone() };
-        let picture = film::expose(&station.camera, &Scene { face, layers: &self.bare, props: &props }, &film)?;
+        let picture =
+            film::expose(&station.camera, &Scene { face, layers: &self.bare, props: &props }, &film)?;
         let value = |x: f32| (65535.0 * x.clamp(0.0, 1.0)).round() as u16;
         let mut codes: Vec<u16> = picture.radiance.iter().flatten().map(|x| value(*x)).collect();
         if station.mirrored {

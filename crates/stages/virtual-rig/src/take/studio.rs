@@ -71,7 +71,19 @@ impl Studio {
         let headband = Headband::of(&body, &scenario);
         let stations = stations(&scenario, &body)?;
         let (plan, baked) = light_at_rest(&scenario, &body, &wrinkles, &normals);
-        Ok(Self { scenario, body, wrinkles, layers, bare, headband, stations, performance, events, plan, baked })
+        Ok(Self {
+            scenario,
+            body,
+            wrinkles,
+            layers,
+            bare,
+            headband,
+            stations,
+            performance,
+            events,
+            plan,
+            baked,
+        })
     }
 
     /// What the studio was set up for.
@@ -181,8 +193,10 @@ fn corners_of(vertices: &[u32], triangles: &[[u32; 3]]) -> Vec<Option<(u32, usiz
     vertices.iter().map(|vertex| found.get(vertex).copied()).collect()
 }
 
-/// Knots of a stroke's half-width lie so far apart, mm: a brush is not led more evenly.
+/// A brush is not led more evenly than over this length, mm.
 const BRUSH_MM: f64 = 7.0;
+/// Knots of a stroke's half-width between two of these lengths.
+const KNOTS: usize = 8;
 /// Shortest and longest stretch where paint is gone, mm.
 const GAP_MM: [f64; 2] = [1.0, 5.0];
 /// A stroke starts and ends this far before its line does, mm, at most.
@@ -196,9 +210,13 @@ fn strokes(scenario: &Scenario, wrinkles: &Wrinkles) -> Vec<(Stroke, StrokeCoord
         let length = widths.last().map_or(0.0, |last| last.0);
         let mut half = || {
             let [low, high] = plan.stroke_width;
-            let knots = (0..=(length / BRUSH_MM).ceil() as usize).map(|knot| {
-                let x = knot as f64 * BRUSH_MM;
-                [x, width_at(&widths, x) * (low + (high - low) * rng.random::<f64>())]
+            let count = 2 + (length / BRUSH_MM).ceil() as usize;
+            let wills: Vec<f64> = (0..count).map(|_| low + (high - low) * rng.random::<f64>()).collect();
+            let knots = (0..=(count - 2) * KNOTS).map(|knot| {
+                let x = knot as f64 * BRUSH_MM / KNOTS as f64;
+                let ease = 0.5 - 0.5 * (std::f64::consts::PI * (knot % KNOTS) as f64 / KNOTS as f64).cos();
+                let [from, to] = [wills[knot / KNOTS], wills[knot / KNOTS + 1]];
+                [x, width_at(&widths, x) * (from + (to - from) * ease)]
             });
             HalfWidth::through(knots.collect())
         };

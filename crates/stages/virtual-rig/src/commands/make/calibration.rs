@@ -44,16 +44,21 @@ fn boards(
         write(studio, cameras, pictures, out, "board", number)?;
         let corners = cameras.iter().map(|(id, camera)| {
             let seen = corners_in_image(camera, &views.board, pose);
-            let places: Vec<_> = seen.iter().map(|corner| json!([corner.id, corner.point_in_image.x, corner.point_in_image.y])).collect();
+            let places: Vec<_> = seen
+                .iter()
+                .map(|corner| json!([corner.id, corner.point_in_image.x, corner.point_in_image.y]))
+                .collect();
             ((*id).clone(), serde_json::Value::from(places))
         });
         truth.push(json!({ "view": number, "corners": corners.collect::<serde_json::Map<_, _>>() }));
         step();
     }
     let truth = json!({ "board": views.board, "views": truth });
-    artifact::stage_bytes(&out.join("truth/calibration/board.json"), truth.to_string().as_bytes())?.publish()?;
+    artifact::stage_bytes(&out.join("truth/calibration/board.json"), truth.to_string().as_bytes())?
+        .publish()?;
     let board = json!({ "board": views.board });
-    artifact::stage_bytes(&out.join("take/calibration/board.json"), board.to_string().as_bytes())?.publish()?;
+    artifact::stage_bytes(&out.join("take/calibration/board.json"), board.to_string().as_bytes())?
+        .publish()?;
     Ok(())
 }
 
@@ -80,7 +85,8 @@ fn wand(
         step();
     }
     let truth = json!({ "frames": truth });
-    artifact::stage_bytes(&out.join("truth/calibration/wand.json"), truth.to_string().as_bytes())?.publish()?;
+    artifact::stage_bytes(&out.join("truth/calibration/wand.json"), truth.to_string().as_bytes())?
+        .publish()?;
     Ok(())
 }
 

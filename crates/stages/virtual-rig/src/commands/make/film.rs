@@ -42,7 +42,7 @@ pub(super) fn film(
         let (own, filmed) = run.timed("film", || film_frame(studio, *frame, shots, !arguments.no_normals))?;
         for image in &filmed {
             let station = &studio.stations()[&image.shot.camera];
-            write_image(&arguments.out, image, station)?;
+            write_image(&arguments.out, image, station, extent.first_frame + frame)?;
             images += 1;
             let camera = &image.shot.camera;
             match station.role {
@@ -65,7 +65,8 @@ pub(super) fn film(
     let mut outputs = records.finish()?;
     if !labels.is_empty() {
         let first = wanted.first().map_or(0, |(frame, _)| *frame);
-        let labels = Labels { take: Some(paper.take.clone()), frame: extent.first_frame + first, cameras: labels };
+        let labels =
+            Labels { take: Some(paper.take.clone()), frame: extent.first_frame + first, cameras: labels };
         outputs.push(artifact::write_document(&arguments.out.join("take/labels.json"), &labels)?);
     }
     Ok(outputs)
@@ -91,8 +92,10 @@ fn film_frame(
             continue;
         }
         let set = studio.set(time_s, exposure_s, close);
-        let filmed: Vec<Image> =
-            group.into_par_iter().map(|shot| image(studio, &set, shot, with_normals)).collect::<anyhow::Result<_>>()?;
+        let filmed: Vec<Image> = group
+            .into_par_iter()
+            .map(|shot| image(studio, &set, shot, with_normals))
+            .collect::<anyhow::Result<_>>()?;
         images.extend(filmed);
         if (time_s - own_s).abs() < 1e-9 {
             own = Some(set);
@@ -113,7 +116,7 @@ fn image(studio: &Studio, set: &Set, shot: &Shot, with_normals: bool) -> anyhow:
     Ok(Image { shot: shot.clone(), rgb, truth, normals })
 }
 
-fn write_image(out: &Path, image: &Image, station: &Station) -> anyhow::Result<()> {
+fn write_image(out: &Path, image: &Image, station: &Station, frame: i64) -> anyhow::Result<()> {
     let [width, height] = station.camera.image_size.map(|side| side as usize);
     let camera = &image.shot.camera;
     let first = image.shot.entry.index;
@@ -123,12 +126,13 @@ fn write_image(out: &Path, image: &Image, station: &Station) -> anyhow::Result<(
     }
     if station.role == Role::Wrinkle {
         let gray = |share: f32| (255.0 * share).round() as u8;
-        let coverage: Vec<u8> = image.truth.coverage.iter().flat_map(|(share, _)| [gray(*share); 3]).collect();
-        let path = out.join(format!("truth/paint/{camera}/{first:06}.png"));
+        let coverage: Vec<u8> =
+            image.truth.coverage.iter().flat_map(|(share, _)| [gray(*share); 3]).collect();
+        let path = out.join(format!("truth/paint/{camera}/{frame:06}.png"));
         picture::write_rgb8(&path, width, height, &coverage)?.publish()?;
     }
     if let Some(normals) = &image.normals {
-        let path = out.join(format!("truth/normals/{camera}/{first:06}.png"));
+        let path = out.join(format!("truth/normals/{camera}/{frame:06}.png"));
         picture::write_rgb16(&path, width, height, normals)?.publish()?;
     }
     Ok(())

@@ -6,10 +6,10 @@ use serde::Serialize;
 use stage::Run;
 use std::path::{Path, PathBuf};
 use virtual_rig::act::Clip;
+use virtual_rig::body::Base;
 use virtual_rig::body::expressions::{Shape, expressions};
 use virtual_rig::body::scan::{Notes, Scan, scan};
 use virtual_rig::body::texture::Texture;
-use virtual_rig::body::Base;
 use virtual_rig::scenario::{Performance, Scenario};
 use virtual_rig::take::Given;
 
@@ -60,7 +60,10 @@ impl GivenFace {
                 if !matches!(scenario.performance, Performance::Recording(_)) {
                     scenario.performance = Performance::Recording(Default::default());
                 }
-                Some(Clip::parse(&text).with_context(|| format!("{}: is no recording of weights", path.display()))?)
+                Some(
+                    Clip::parse(&text)
+                        .with_context(|| format!("{}: is no recording of weights", path.display()))?,
+                )
             }
         };
         let base = match (&self.mesh, &self.landmarks) {
@@ -135,7 +138,10 @@ fn tell(run: &mut Run, path: &Path, scan: &Scan) {
         ));
     }
     if !scan.eyes_are_open {
-        run.warn(format!("{}: the eyes are closed or not cut open; blinks will pull on the lids", path.display()));
+        run.warn(format!(
+            "{}: the eyes are closed or not cut open; blinks will pull on the lids",
+            path.display()
+        ));
     }
 }
 

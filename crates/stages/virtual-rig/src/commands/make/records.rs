@@ -4,9 +4,9 @@ use super::paper::Paper;
 use artifact::{
     FrameWriter, HeadPose, HeadPoseFrame, HeadPoseHeader, HeadTrajectories, LargeScale, MarkerFrame,
     MarkerHeader, PerCamera, Profile, SampleStatus, Sections, SectionsFrame, SectionsHeader, SequenceForm,
-    Space, Staged, SyncFrame, SyncHeader, TimeBase, Tracks2d, Tracks2dFrame, Tracks2dHeader,
-    Trajectories3d, Unit, ValleyPoint, Valleys, ValleysFrame, ValleysHeader, Wrinkle, Wrinkled, Wrinkles2d,
-    Wrinkles2dFrame, Wrinkles2dHeader, pc2,
+    Space, Staged, SyncFrame, SyncHeader, TimeBase, Tracks2d, Tracks2dFrame, Tracks2dHeader, Trajectories3d,
+    Unit, ValleyPoint, Valleys, ValleysFrame, ValleysHeader, Wrinkle, Wrinkled, Wrinkles2d, Wrinkles2dFrame,
+    Wrinkles2dHeader, pc2,
 };
 use nalgebra::Point3;
 use std::collections::BTreeMap;
