@@ -304,8 +304,8 @@ fn what_cannot_be_compared_is_refused() {
     refuse(&folder, "tracks-2d truth/sections.jsonl --truth truth", &["holds 'sections/1'", "tracks-2d"]);
     refuse(&folder, "wrinkled truth/large-scale.json --truth truth", &["holds 'large-scale/1'"]);
     refuse(&folder, "sync nothing.jsonl --truth truth", &["nothing.jsonl"]);
-    refuse(&folder, "sync truth/sync.jsonl --truth truth --against x", &["--against: sync"]);
-    refuse(&folder, "sync truth/sync.jsonl --truth truth --unit mm", &["--unit: sync"]);
+    refuse(&folder, "sync truth/sync.jsonl --truth truth --against x", &["--against: the kind sync"]);
+    refuse(&folder, "sync truth/sync.jsonl --truth truth --unit mm", &["--unit: the kind sync"]);
     refuse(&folder, "masks nothing --truth truth", &["nothing: is not there"]);
     refuse(&folder, "masks take --truth truth", &["take: holds no picture", "take/m1/001001.png"]);
     refuse(&folder, "masks truth/paint/m1/001001.png --truth truth", &["a single picture", "--against"]);

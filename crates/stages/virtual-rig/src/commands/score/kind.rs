@@ -105,10 +105,12 @@ impl Kind {
         let name = self.name();
         let with_against = [Self::Cameras, Self::Wrinkled, Self::Masks, Self::Normals];
         if comparison.against.is_some() && !with_against.contains(&self) {
-            bail!("--against: {name} are compared with the truth folder alone\n  to do: leave --against out");
+            bail!(
+                "--against: the kind {name} is compared with the truth folder alone\n  to do: leave --against out"
+            );
         }
         if comparison.unit.is_some() && ![Self::Trajectories3d, Self::HeadTrajectories].contains(&self) {
-            bail!("--unit: {name} say their unit themselves\n  to do: leave --unit out");
+            bail!("--unit: the kind {name} says its unit itself\n  to do: leave --unit out");
         }
         Ok(())
     }

@@ -155,7 +155,7 @@ fn check_found(comparison: &mut Comparison, pairs: &[Pair], extra: &[PathBuf]) -
     }
     if let Some(first) = extra.first() {
         comparison.run.warn(format!(
-            "{} pictures have no truth and are not scored, e.g. {}",
+            "pictures without truth are not scored: {}, e.g. {}",
             extra.len(),
             first.display()
         ));
