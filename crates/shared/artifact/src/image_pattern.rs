@@ -1,6 +1,7 @@
 //! Names of numbered image files: a pattern such as `m1/{frame:06}.png`, filled with a number.
 
-use crate::Violation;
+use crate::{Error, Result, Violation};
+use std::path::Path;
 
 /// A pattern taken apart: what stands before and after the number, and how many digits it has at least.
 fn parts(pattern: &str) -> Option<(&str, usize, &str)> {
@@ -18,7 +19,7 @@ fn parts(pattern: &str) -> Option<(&str, usize, &str)> {
 const MOST_DIGITS: usize = 20;
 
 /// Refuses a pattern that has not exactly one place for the number.
-pub(crate) fn check_pattern(place: &str, pattern: &str) -> Result<(), Violation> {
+pub(crate) fn check_pattern(place: &str, pattern: &str) -> std::result::Result<(), Violation> {
     match parts(pattern) {
         Some(_) => Ok(()),
         None => {
@@ -39,4 +40,30 @@ pub fn image_path(pattern: &str, number: i64) -> String {
         }
         None => pattern.to_string(),
     }
+}
+
+/// The numbers of the images that lie where a pattern says, rising; none where its folder is not there. The number stands in
+/// the file's name, not in a folder's.
+///
+/// # Errors
+/// If the name has no place for the number, or the folder cannot be read.
+pub fn image_numbers(pattern: &Path) -> Result<Vec<i64>> {
+    let name = pattern.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let Some((before, _, after)) = parts(&name) else {
+        return Err(Error::new(pattern, "the file's name has not one {frame} or {frame:06} in it"));
+    };
+    let folder = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let fail = |cause: std::io::Error| Error::io(folder, "read the folder", &cause);
+    let mut numbers = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let file = entry.map_err(fail)?.file_name().to_string_lossy().into_owned();
+        let digits = file.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+        let number = digits.and_then(|digits| digits.parse().ok());
+        numbers.extend(number.filter(|&number| image_path(&name, number) == file));
+    }
+    numbers.sort_unstable();
+    Ok(numbers)
 }

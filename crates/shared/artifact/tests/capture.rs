@@ -57,6 +57,27 @@ fn images_are_named_by_number() {
 }
 
 #[test]
+fn images_are_found_by_their_pattern() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in [
+        "a-000009.png",
+        "a-000010.png",
+        "a-1000000.png",
+        "a-11.png",
+        "a-000012.PNG",
+        "b-000001.png",
+        "a-.png",
+    ] {
+        std::fs::write(folder.path().join(name), "").unwrap();
+    }
+    let numbers = |name: &str| artifact::image_numbers(&folder.path().join(name));
+    assert_eq!(numbers("a-{frame:06}.png").unwrap(), [9, 10, 1_000_000]);
+    assert_eq!(numbers("a-{frame}.png").unwrap(), [11, 1_000_000]);
+    assert_eq!(numbers("nowhere/a-{frame}.png").unwrap(), [0; 0]);
+    says(&numbers("a.png").unwrap_err().to_string(), &["a.png: the file's name has not one {frame}"]);
+}
+
+#[test]
 fn cameras_of_a_take_stand_once() {
     let twice = text("take-2/take.json").replace(r#""id":"left""#, r#""id":"front""#);
     assert_eq!(document_refusal::<Take>(&twice), "a.json, cameras: the id front stands twice");

@@ -47,7 +47,7 @@ pub use error::ScoreError;
 pub use head_pose::{Poses, head_pose};
 pub use masks::{MaskPair, masks};
 pub use metric::{Better, Metric};
-pub use normals::normals;
+pub use normals::{NormalField, normal_fields, normals, surface_normals};
 pub use sections::{MIN_WIDTH_PX, RATIOS, SHALLOW, sections};
 pub use surface::large_scale;
 pub use sync::{TimeBase, sync};

@@ -23,12 +23,6 @@ impl Pool {
         Ok((self.0.iter().map(|error| error * error).sum::<f64>() / self.0.len() as f64).sqrt())
     }
 
-    /// Σ e / n, or `nothing` where the pool is empty.
-    pub(super) fn mean(&self, nothing: &str) -> Result<f64, String> {
-        self.some(nothing)?;
-        Ok(self.0.iter().sum::<f64>() / self.0.len() as f64)
-    }
-
     /// The error that a share of all do not exceed, linear between neighbours in order (as NumPy's `percentile`).
     pub(super) fn percentile(&self, share: f64, nothing: &str) -> Result<f64, String> {
         self.some(nothing)?;
