@@ -180,20 +180,31 @@ fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Sec
     }
 }
 
-/// A uniform cubic B-spline through points that lie about evenly: each control is its point, moved by a sixth of the second
-/// difference against the bend, which is exact for cubics; one more at either end.
+/// The uniform cubic B-spline through points that lie about evenly, without bend at its ends: (cᵢ₋₁ + 4cᵢ + cᵢ₊₁) / 6 = qᵢ,
+/// solved from one end to the other and back.
 fn curve(line: &[Seen]) -> Curve2d {
-    let at = |i: isize| {
-        let last = line.len() as isize - 1;
-        let inside = |i: isize| line[i as usize].pixel;
-        match i {
-            _ if i < 0 => inside(0) * 2.0 - inside((-i).min(last)),
-            _ if i > last => inside(last) * 2.0 - inside((2 * last - i).max(0)),
-            _ => inside(i),
+    let count = line.len();
+    let point = |i: usize| line[i].pixel;
+    // No bend at an end: its control is its point.
+    let mut controls = vec![point(0); count];
+    let mut pivots = vec![1.0; count];
+    for i in 1..count {
+        let (last, before) = (i + 1 == count, i == 1);
+        if last {
+            controls[i] = point(i);
+            break;
         }
-    };
-    let control = |i: isize| (at(i) * 8.0 - at(i - 1) - at(i + 1)) / 6.0;
-    let controls = (-1..=line.len() as isize).map(|i| control(i).into()).collect();
+        let lower = if before { 0.0 } else { 1.0 / pivots[i - 1] };
+        pivots[i] = 4.0 - lower;
+        let known = if before { controls[0] } else { controls[i - 1] / pivots[i - 1] };
+        controls[i] = point(i) * 6.0 - known;
+    }
+    for i in (1..count - 1).rev() {
+        controls[i] = (controls[i] - controls[i + 1]) / pivots[i];
+    }
+    let first = controls[0] * 2.0 - controls[1];
+    let end = controls[count - 1] * 2.0 - controls[count - 2];
+    let controls = std::iter::once(first).chain(controls).chain([end]).map(Into::into).collect();
     Curve2d { controls, state: CurveState::Seen, confidence: 1.0, paint: Vec::new() }
 }
 
@@ -213,5 +224,55 @@ impl ImageTruth {
             section.normal[1] = -section.normal[1];
             section.kappa = 0.0 - section.kappa;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wrinkle::Profile;
+
+    fn seen(pixel: Vector2<f64>) -> Seen {
+        let profile = Profile { shape: Shape::S, w_mm: 1.0, d_mm: 0.5, fade_mm: [[5.0, 7.0]; 2] };
+        let point = ValleyPoint {
+            x_mm: 0.0,
+            triangle: 0,
+            barycentric: [1.0, 0.0, 0.0],
+            at: Point3::origin(),
+            surface_point: Point3::origin(),
+            normal: nalgebra::Vector3::z(),
+            across: nalgebra::Vector3::y(),
+            w_mm: 1.0,
+            d_mm: 0.5,
+            profile,
+            compression: 1.0,
+            uptake: 1.0,
+        };
+        Seen { pixel, section: section(&point, pixel, Vector2::new(0.0, 4.0)) }
+    }
+
+    #[test]
+    fn a_curve_runs_through_its_points() {
+        let points: Vec<Seen> =
+            (0..9).map(|i| seen(Vector2::new(2.0 * f64::from(i), (0.7 * f64::from(i)).sin()))).collect();
+        let Curve2d { controls, .. } = curve(&points);
+        assert_eq!(controls.len(), points.len() + 2);
+        for (knot, point) in points.iter().enumerate() {
+            for axis in 0..2 {
+                let at = (controls[knot][axis] + 4.0 * controls[knot + 1][axis] + controls[knot + 2][axis]) / 6.0;
+                assert!((at - point.pixel[axis]).abs() < 1e-12, "knot {knot}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirrored_section_changes_sides() {
+        let mut truth = ImageTruth {
+            sections: BTreeMap::from([("fold".to_string(), vec![seen(Vector2::new(10.0, 5.0)).section])]),
+            ..ImageTruth::default()
+        };
+        truth.mirror(100);
+        let section = truth.sections["fold"][0];
+        assert_eq!((section.at, section.normal), ([89.0, 5.0], [0.0, -1.0]));
     }
 }
