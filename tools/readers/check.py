@@ -93,6 +93,15 @@ def check_capture():
     close(points[1, 0], [[812.5, 301.25], [np.nan] * 2, [960.0, 540.125]])
 
 
+def check_scenario():
+    import scenario
+    found = scenario.read(FIXTURES / "scenario-1/scenario.json")
+    assert found["hz"] == 50 and found["frames"].tolist() == [1001, 1002, 1003]
+    assert found["wrinkle_frames"].tolist() == [1003]
+    assert scenario.amount(found, "rotated", "m2") == 0.25 and scenario.amount(found, "rotated", "m1") is None
+    assert scenario.amount(found, "dropped", "w1") == 0.125
+
+
 def check_wrinkles():
     import large_scale, sections, valleys, wrinkles_2d
     _, curves = wrinkles_2d.read(FIXTURES / "wrinkles-2d-1/wrinkles-2d.jsonl")
@@ -173,7 +182,7 @@ def check_commands():
               "vertex_path": "vertex-path-1/vertex-path.json",
               "response_basis": "response-basis-1/response-basis.json", "obj": "obj/mesh.obj", "ply": "ply/mesh.ply",
               "large_scale": "large-scale-1/large-scale.json", "pc2": "large-scale-1/sequence.pc2",
-              "provenance": "provenance-1/handles.jsonl.prov.json"}
+              "provenance": "provenance-1/handles.jsonl.prov.json", "scenario": "scenario-1/scenario.json"}
     readers = {path.stem for path in HERE.glob("*.py")} - {"check"}
     assert readers == set(inputs) | {"c3d", "trc"}, readers ^ set(inputs)
     for reader in sorted(readers):
@@ -187,7 +196,7 @@ def check_commands():
 
 
 if __name__ == "__main__":
-    for check in (check_static, check_frames, check_capture, check_wrinkles, check_meshes, check_formats_of_others,
-                  check_commands):
+    for check in (check_static, check_frames, check_capture, check_scenario, check_wrinkles, check_meshes,
+                  check_formats_of_others, check_commands):
         check()
         print(f"ok: {check.__name__.replace('_', ' ')}")

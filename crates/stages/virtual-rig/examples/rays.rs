@@ -4,7 +4,6 @@
 //! which it casts them; without a mesh, from a groove. One thread. FOLDER gets `vertices`, `triangles`, `origins`, `directions`
 //! and `occluded` (what we found), all `.npy`. One line of JSON says how fast it went.
 #![allow(clippy::disallowed_methods, reason = "measures time and writes a folder for the peer")]
-#![allow(clippy::cast_possible_truncation)]
 
 use nalgebra::{Point3, Vector3};
 use std::io::Write;

@@ -519,7 +519,7 @@ fn painted_face(vertex_count: usize) -> (Thing, Layers) {
     let face = testkit::face::Face::new(1, vertex_count);
     let mut thing = Thing::of(face.mesh()).colored([0.55, 0.36, 0.27]);
     let up = Vector3::new(0.1, 0.6, 0.8).normalize();
-    thing.irradiance = thing.normals.iter().map(|normal| 0.55 + 0.4 * normal.dot(&up) as f32).collect();
+    thing.irradiance = thing.normals.iter().map(|normal| [0.55 + 0.4 * normal.dot(&up) as f32; 3]).collect();
     let dots = face.markers().into_iter().enumerate().map(|(number, marker)| {
         let home = thing.triangles.iter().position(|corners| corners.contains(&marker.vertex)).unwrap();
         let weights = thing.triangles[home].map(|vertex| f64::from(u8::from(vertex == marker.vertex)));

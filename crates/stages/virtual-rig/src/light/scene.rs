@@ -64,7 +64,7 @@ impl Scene {
             .map(|corners| corners.map(|[x, y, z, _]| [x, y, z].into()))
             .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
             .collect();
-        let bvh = build_bvh2_from_tris(&triangles, build_params(), &mut std::time::Duration::default());
+        let bvh = build_bvh2_from_tris(&triangles, build_params(), &mut Default::default());
         let margin = 4.0 * f32::EPSILON * radius as f32;
         let tree = Tree::new(&bvh, corners, margin);
         let triangles =

@@ -45,9 +45,9 @@ pub struct Placement {
     pub distortion: [f64; 5],
 }
 
-/// Mocap cameras of the paper: six of 656 × 490 px at 50 frames a second [Bickel2007, §3].
+/// Mocap cameras of the paper: six of 656 × 490 px at 50 frames a second [BickelBotsch2007, §3].
 const MOCAP_SIZE: [u32; 2] = [656, 490];
-/// Wrinkle cameras of the paper: two of 1384 × 1038 px at 12.5 frames a second [Bickel2007, §3].
+/// Wrinkle cameras of the paper: two of 1384 × 1038 px at 12.5 frames a second [BickelBotsch2007, §3].
 const WRINKLE_SIZE: [u32; 2] = [1384, 1038];
 /// Azimuth and elevation of the mocap cameras, degrees: staggered, so that each side of the nose is seen by four.
 const MOCAP_DIRECTIONS: [[f64; 2]; 6] =

@@ -4,6 +4,7 @@ mod calibration;
 mod choice;
 mod film;
 mod given;
+mod headers;
 mod paper;
 mod records;
 

@@ -1,12 +1,11 @@
 //! What is true of every frame, written as the frames are filmed.
 
+use super::headers::Headers;
 use super::paper::Paper;
 use artifact::{
-    FrameWriter, HeadPose, HeadPoseFrame, HeadPoseHeader, HeadTrajectories, LargeScale, MarkerFrame,
-    MarkerHeader, PerCamera, Profile, SampleStatus, Sections, SectionsFrame, SectionsHeader, SequenceForm,
-    Space, Staged, SyncFrame, SyncHeader, TimeBase, Tracks2d, Tracks2dFrame, Tracks2dHeader, Trajectories3d,
-    Unit, ValleyPoint, Valleys, ValleysFrame, ValleysHeader, Wrinkle, Wrinkled, Wrinkles2d, Wrinkles2dFrame,
-    Wrinkles2dHeader, pc2,
+    FrameWriter, HeadPose, HeadPoseFrame, HeadTrajectories, LargeScale, MarkerFrame, PerCamera, SampleStatus,
+    Sections, SectionsFrame, Staged, SyncFrame, SyncHeader, TimeBase, Tracks2d, Tracks2dFrame,
+    Trajectories3d, ValleyPoint, Valleys, ValleysFrame, Wrinkled, Wrinkles2d, Wrinkles2dFrame, pc2,
 };
 use nalgebra::Point3;
 use std::collections::BTreeMap;
@@ -40,79 +39,27 @@ impl Records {
         schedule: &Schedule,
         frames: &[(i64, Vec<Shot>)],
     ) -> anyhow::Result<Self> {
-        let folder = paper.truth.clone();
-        let scenario = studio.scenario();
-        let (rate, take) = (Some(scenario.extent.rate), Some(paper.take.clone()));
-        let of_role = |role| {
-            let stations = studio.stations().iter().filter(move |(_, station)| station.role == role);
-            stations.map(|(id, _)| id.clone()).collect::<Vec<String>>()
-        };
-        let (mocap, wrinkle_cameras) = (of_role(Role::Mocap), of_role(Role::Wrinkle));
-        let markers = studio.marker_names();
-        let wrinkles: Vec<Wrinkle> = studio
-            .wrinkles()
-            .lines()
-            .map(|line| Wrinkle { id: line.id.clone(), paint: Some(line.paint.clone()) })
-            .collect();
-        let due = SyncHeader {
-            rate: scenario.extent.rate,
-            clock: paper.clock,
-            cameras: schedule
-                .cameras
-                .iter()
-                .map(|(id, entries)| (id.clone(), studio.sync_of(id, &studio.stations()[id], entries)))
-                .collect(),
-            take: take.clone(),
-        };
-        let marker_header =
-            MarkerHeader { unit: Unit::Mm, rate, markers: markers.clone(), take: take.clone() };
-        let first = scenario.extent.first_frame;
+        let headers = Headers::new(studio, paper);
+        let due = headers.sync(schedule);
+        let extent = studio.scenario().extent;
+        let numbers: Vec<i64> = frames.iter().map(|(frame, _)| extent.first_frame + frame).collect();
+        let start = numbers.first().copied().unwrap_or(extent.first_frame);
         let vertices = studio.body().mesh.positions.len();
-        let start = first + frames.first().map_or(0, |(frame, _)| *frame);
+        let folder = paper.truth.clone();
         let file = |name: &str| folder.join(name);
-        let index = LargeScale {
-            mesh: paper.scan.clone(),
-            cache: String::new(),
-            form: SequenceForm::Pc2,
-            rate,
-            frames: frames.iter().map(|(frame, _)| first + frame).collect(),
-            take: take.clone(),
-        };
-        let pose = HeadPoseHeader {
-            rate,
-            reference_frame: first,
-            markers: studio.head_markers(),
-            take: take.clone(),
-        };
-        let tracks = Tracks2dHeader { cameras: mocap.clone(), markers, rate, take: take.clone() };
-        let valleys = ValleysHeader {
-            mesh: paper.scan.clone(),
-            wrinkles: wrinkles.clone(),
-            rate,
-            take: take.clone(),
-            space: Space::Face,
-        };
-        let curves = Wrinkles2dHeader {
-            cameras: wrinkle_cameras.clone(),
-            wrinkles: wrinkles.clone(),
-            rate,
-            take: take.clone(),
-        };
-        let sections =
-            SectionsHeader { cameras: wrinkle_cameras, wrinkles, profile: Profile::Rounded, rate, take };
         Ok(Self {
             sync: FrameWriter::create(&file("sync.jsonl"), due.clone())?,
-            tracks: FrameWriter::create(&file("tracks-2d.jsonl"), tracks)?,
-            markers: FrameWriter::create(&file("markers.jsonl"), marker_header.clone())?,
-            head: FrameWriter::create(&file("head.jsonl"), marker_header)?,
-            pose: FrameWriter::create(&file("pose.jsonl"), pose)?,
-            valleys: FrameWriter::create(&file("valleys.jsonl"), valleys)?,
-            curves: FrameWriter::create(&file("wrinkles-2d.jsonl"), curves)?,
-            sections: FrameWriter::create(&file("sections.jsonl"), sections)?,
+            tracks: FrameWriter::create(&file("tracks-2d.jsonl"), headers.tracks())?,
+            markers: FrameWriter::create(&file("markers.jsonl"), headers.markers())?,
+            head: FrameWriter::create(&file("head.jsonl"), headers.markers())?,
+            pose: FrameWriter::create(&file("pose.jsonl"), headers.pose())?,
+            valleys: FrameWriter::create(&file("valleys.jsonl"), headers.valleys())?,
+            curves: FrameWriter::create(&file("wrinkles-2d.jsonl"), headers.curves())?,
+            sections: FrameWriter::create(&file("sections.jsonl"), headers.sections())?,
             large_scale: pc2::Writer::create(&file("large-scale.pc2"), vertices, start)?,
             wrinkled: pc2::Writer::create(&file("wrinkled.pc2"), vertices, start)?,
-            index,
-            mocap,
+            index: headers.index(numbers),
+            mocap: headers.cameras(Role::Mocap),
             due,
             folder,
         })

@@ -1,0 +1,167 @@
+//! `virtual-rig make`, `scenario` and `groove` as users run them: what they write. What they refuse stands in `refusals.rs`.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod rig;
+
+use assert_cmd::Command;
+use rig::{SMALL, call, files, make, plant, succeed};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+type Files = BTreeMap<PathBuf, Vec<u8>>;
+
+fn json(bytes: &[u8]) -> Value {
+    serde_json::from_slice(bytes).unwrap()
+}
+
+fn lines(bytes: &[u8]) -> Vec<&str> {
+    std::str::from_utf8(bytes).unwrap().lines().collect()
+}
+
+/// What a tiny take consists of, but for side-cars.
+fn expected() -> Vec<PathBuf> {
+    let mut names: Vec<String> = Vec::new();
+    for camera in ["m1", "m2", "m3", "m4", "m5", "m6"] {
+        names.push(format!("take/footage/{camera}.csv"));
+        names.extend((0..3).map(|image| format!("take/footage/{camera}/{image:06}.png")));
+    }
+    for camera in ["w1", "w2"] {
+        names.push(format!("take/footage/{camera}.csv"));
+        names.push(format!("take/footage/{camera}/000000.png"));
+        names.push(format!("take/paint-mask/{camera}.png"));
+        names.push(format!("truth/paint/{camera}/001003.png"));
+    }
+    names.extend(["labels.json", "picks.csv", "scan.obj", "take.json"].map(|name| format!("take/{name}")));
+    let documents = ["scenario", "cameras", "cameras-calibrated", "large-scale", "wrinkled"];
+    names.extend(documents.map(|name| format!("truth/{name}.json")));
+    names.extend(["large-scale", "wrinkled"].map(|name| format!("truth/{name}.pc2")));
+    let streams = ["sync", "tracks-2d", "markers", "head", "pose", "valleys", "wrinkles-2d", "sections"];
+    names.extend(streams.map(|name| format!("truth/{name}.jsonl")));
+    names.sort();
+    names.into_iter().map(PathBuf::from).collect()
+}
+
+#[test]
+fn a_take_is_whole_and_its_manifest_comes_last() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = succeed(&folder, &format!("make {SMALL} --out take-1 --json"));
+    let made = files(&folder.path().join("take-1"));
+    let is_side_car = |path: &&PathBuf| path.to_string_lossy().ends_with(".prov.json");
+    let plain: Vec<&PathBuf> = made.keys().filter(|path| !is_side_car(path)).collect();
+    assert_eq!(plain, expected().iter().collect::<Vec<_>>());
+
+    let summary = json(&output.stdout);
+    assert_eq!((&summary["results"]["images"], &summary["results"]["markers"]), (&20.into(), &90.into()));
+    let outputs: Vec<&str> =
+        summary["outputs"].as_array().unwrap().iter().map(|path| path.as_str().unwrap()).collect();
+    assert!(outputs.last().unwrap().ends_with("take/take.json"), "{outputs:?}");
+    for output in outputs {
+        let side_car = PathBuf::from(format!("{output}.prov.json"));
+        let side_car = json(&made[side_car.strip_prefix("take-1").unwrap()]);
+        assert_eq!(side_car["data"]["stage"], "virtual-rig make", "{output}");
+        assert_eq!(side_car["data"]["parameters"]["scenario"]["seed"], 1, "{output}");
+    }
+    let manifest = json(&made[Path::new("take/take.json")]);
+    let scan = artifact::sha256_of(&made[Path::new("take/scan.obj")]);
+    assert_eq!(manifest["data"]["references"]["scan"]["sha256"], scan.as_str());
+    let take = artifact::sha256_of(&made[Path::new("take/take.json")]);
+    let header = json(lines(&made[Path::new("truth/markers.jsonl")])[0].as_bytes());
+    assert_eq!(header["data"]["take"]["sha256"], take.as_str());
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte_and_the_seed_changes_the_person() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = make(&folder, "one", "--threads 1");
+    let two = make(&folder, "two", "--threads 2");
+    let differ: Vec<&PathBuf> = one.keys().filter(|path| two.get(*path) != one.get(*path)).collect();
+    assert!(one.len() == two.len() && differ.is_empty(), "{differ:?}");
+
+    let other = make(&folder, "other", "--seed 2");
+    for name in ["take/scan.obj", "take/picks.csv", "take/footage/m1/000000.png", "truth/valleys.jsonl"] {
+        assert_ne!(one[Path::new(name)], other[Path::new(name)], "{name}");
+    }
+}
+
+/// Parts have the images and the lines of the whole, and the same manifest.
+#[test]
+fn a_part_of_the_frames_is_a_part_of_the_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = make(&folder, "whole", "");
+    let part = make(&folder, "part", "--frames 1002-1003");
+    for name in
+        ["take/take.json", "take/scan.obj", "take/picks.csv", "truth/cameras.json", "truth/scenario.json"]
+    {
+        assert_eq!(part[Path::new(name)], whole[Path::new(name)], "{name}");
+    }
+    let pictures = |files: &Files| -> Vec<PathBuf> {
+        files.keys().filter(|path| path.extension().is_some_and(|ending| ending == "png")).cloned().collect()
+    };
+    assert_eq!(pictures(&whole).len(), pictures(&part).len() + 6, "one image less for each mocap camera");
+    pictures(&part).iter().for_each(|path| assert_eq!(part[path], whole[path], "{}", path.display()));
+    let streams = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "jsonl");
+    for path in whole.keys().filter(streams) {
+        let (all, some) = (lines(&whole[path]), lines(&part[path]));
+        let sparse = all.len() == 2;
+        assert_eq!(some[0], all[0], "{}", path.display());
+        assert_eq!(some[1..], all[if sparse { 1 } else { 2 }..], "{}", path.display());
+    }
+    let [all, some] = [&whole, &part].map(|files| &files[Path::new("truth/wrinkled.pc2")]);
+    let values = (all.len() - 32) / 3;
+    assert_eq!(some[32..], all[32 + values..], "wrinkled.pc2");
+}
+
+#[test]
+fn truth_comes_without_footage_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let filmed = make(&folder, "filmed", "");
+    let plain = make(&folder, "plain", "--no-footage");
+    assert!(!plain.keys().any(|path| path.extension().is_some_and(|ending| ending == "png")));
+    for name in [
+        "take/take.json",
+        "truth/markers.jsonl",
+        "truth/pose.jsonl",
+        "truth/valleys.jsonl",
+        "truth/wrinkled.pc2",
+    ] {
+        assert_eq!(plain[Path::new(name)], filmed[Path::new(name)], "{name}");
+    }
+}
+
+#[test]
+fn a_printed_scenario_makes_the_same_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let choice = "--length tiny --vertices 2000 --image-scale 0.25 --seed 3";
+    let printed = succeed(&folder, &format!("scenario --scenario standard {choice}"));
+    plant(&folder, "mine.json", std::str::from_utf8(&printed.stdout).unwrap());
+    let rest = "--no-calibration --no-normals --no-footage";
+    succeed(&folder, &format!("make {choice} {rest} --out named"));
+    succeed(&folder, &format!("make --scenario mine.json {rest} --out mine"));
+    let [named, mine] = ["named", "mine"].map(|name| files(&folder.path().join(name)));
+    for (path, bytes) in named.iter().filter(|(path, _)| !path.to_string_lossy().ends_with(".prov.json")) {
+        assert_eq!(mine[path], *bytes, "{}", path.display());
+    }
+}
+
+#[test]
+fn grooves_are_darker_the_deeper_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = json(&succeed(&folder, "groove --ratio 0.1,0.5,1 --rays 256 --json").stdout);
+    let light: Vec<f64> =
+        summary["results"]["table"].as_array().unwrap().iter().map(|row| row[1].as_f64().unwrap()).collect();
+    assert!(light.len() == 3 && light.is_sorted_by(|one, next| one > next), "{light:?}");
+    let refused = call(&folder, "groove --ratio 9");
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(1) && message.contains("--ratio 9"), "{message}");
+}
+
+#[test]
+fn the_help_says_it_all() {
+    for command in ["", "make", "scenario", "groove"] {
+        let words = [command, "--help"].into_iter().filter(|word| !word.is_empty());
+        let output = Command::cargo_bin("virtual-rig").unwrap().args(words).output().unwrap();
+        let name = format!("help-{command}").trim_end_matches('-').to_string();
+        insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stdout));
+    }
+}

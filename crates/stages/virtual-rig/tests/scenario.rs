@@ -1,0 +1,106 @@
+//! Published scenarios are frozen, and the kind has its schema.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "tests look at what is on the disk")]
+
+use artifact::{Document, document_schema, read_document, sha256_of};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use virtual_rig::scenario::{Length, PRESETS, Scenario, preset};
+
+fn in_repository(path: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../..").join(path)
+}
+
+fn validator() -> jsonschema::Validator {
+    jsonschema::validator_for(&document_schema::<Scenario>()).unwrap()
+}
+
+fn frozen() -> Value {
+    serde_json::from_slice(&std::fs::read(in_repository("fixtures/schema/scenario-1/scenario.json")).unwrap())
+        .unwrap()
+}
+
+/// A change makes a new version beside these.
+const HASHES: [(&str, &str); 3] = [
+    ("clean", "2010cb9190d5c8bb0adfc60d04badcce412585641c33bad5046b6f9e634f4adf"),
+    ("standard", "a370314d247ab5fd73aeb65c940108a3d5a0605c07be1bb9360be92a2ee2244d"),
+    ("hard", "f92d4ca42371aad181566add07995ff5b0eaaa5467f7414d7c2da22daff4fe9f"),
+];
+
+#[test]
+fn published_scenarios_never_change() {
+    let found = PRESETS.map(|(name, text)| (name, sha256_of(text.as_bytes())));
+    let wanted = HASHES.map(|(name, hash)| (name, hash.to_string()));
+    assert_eq!(found, wanted, "a published scenario has changed: make a new version of it instead");
+}
+
+#[test]
+fn published_scenarios_are_sound_and_survive_writing() {
+    for (name, text) in PRESETS {
+        let scenario = preset(name).unwrap();
+        scenario.check().unwrap();
+        assert_eq!(scenario.name, format!("{name}-1"));
+        assert_eq!(preset(&scenario.name).unwrap(), scenario);
+        let written = serde_json::to_string(&scenario).unwrap();
+        assert_eq!(serde_json::from_str::<Scenario>(&written).unwrap(), scenario, "{name}");
+        let errors: Vec<String> = validator()
+            .iter_errors(&serde_json::from_str(text).unwrap())
+            .map(|error| error.to_string())
+            .collect();
+        assert!(errors.is_empty(), "{name}: {errors:?}");
+        let whole = json!({ "schema": "scenario/1", "data": serde_json::to_value(&scenario).unwrap() });
+        assert!(validator().is_valid(&whole), "{name}, written in full");
+    }
+    assert!(preset("standard-2").is_none() && preset("standardish").is_none());
+}
+
+#[test]
+fn lengths_are_what_they_say() {
+    for (length, frames, wrinkle_frames) in [("tiny", 3, 1), ("short", 25, 7), ("long", 500, 125)] {
+        let mut scenario = preset("standard").unwrap();
+        length.parse::<Length>().unwrap().apply(&mut scenario);
+        scenario.check().unwrap();
+        let extent = scenario.extent;
+        let filmed = (extent.wrinkle_phase..extent.frames).step_by(extent.wrinkle_every as usize).count();
+        assert_eq!((extent.frames, filmed), (frames, wrinkle_frames), "{length}");
+    }
+    assert!("endless".parse::<Length>().unwrap_err().contains("tiny, short or long"));
+}
+
+#[test]
+fn the_schema_in_the_docs_is_that_of_the_code() {
+    let path = in_repository("docs/schema/scenario-1.json");
+    let wanted = serde_json::to_string_pretty(&document_schema::<Scenario>()).unwrap() + "\n";
+    if std::env::var("FURROW_WRITE_SCHEMA").is_ok_and(|value| value == "1") {
+        std::fs::write(&path, &wanted).unwrap();
+    }
+    let found = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        found == wanted,
+        "docs/schema/scenario-1.json is not what the code says. If the change only adds an optional field or a comment, \
+         run the test with FURROW_WRITE_SCHEMA=1; otherwise the kind needs a new version."
+    );
+}
+
+#[test]
+fn the_frozen_file_follows_the_schema_and_is_read_for_ever() {
+    let value = frozen();
+    let errors: Vec<String> = validator().iter_errors(&value).map(|error| error.to_string()).collect();
+    assert!(errors.is_empty(), "{errors:?}");
+    let read: Scenario = read_document(&in_repository("fixtures/schema/scenario-1/scenario.json")).unwrap();
+    assert_eq!(serde_json::to_value(&read).unwrap(), value["data"]);
+}
+
+#[test]
+fn the_schema_refuses_what_the_reader_refuses() {
+    for (pointer, wrong) in
+        [("/schema", json!("scenario/9")), ("/data/seed", json!("one")), ("/data/extent/frames", json!(null))]
+    {
+        let mut value = frozen();
+        *value.pointer_mut(pointer).unwrap() = wrong;
+        assert!(!validator().is_valid(&value), "{pointer}");
+    }
+    let mut value = frozen();
+    value["data"]["colour"] = json!(1);
+    assert!(!validator().is_valid(&value), "an unknown field");
+}
