@@ -63,6 +63,9 @@ const CALLS: &[(&str, &[&str])] = &[
     ("rbf-warp", &["handles", "--warp", DOCUMENT, "--markers", STREAM, "--out", OUT]),
     ("rbf-warp", &["apply", "--warp", DOCUMENT, "--points", MESH, "--unit", "mm", "--out", "out.obj"]),
     ("stabilize", &["--markers", STREAM, "--out", "head.jsonl", "--pose", "pose.jsonl"]),
+    ("virtual-rig", &["make", "--scenario", DOCUMENT, "--out", OUT]),
+    ("virtual-rig", &["scenario", "--scenario", DOCUMENT, "--out", "out.json"]),
+    ("virtual-rig", &["score", "tracks-2d", STREAM, "--truth", MISSING]),
     // `house new-stage` adds here
 ];
 
