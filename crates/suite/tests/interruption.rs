@@ -19,7 +19,7 @@ use support::{binary, names, succeed, tiny_face};
 /// What a shell reports of a program that was stopped by Ctrl-C.
 const INTERRUPTED: i32 = 130;
 /// Enough frames that the run is still at work when the signal comes: 27 MB, of which 1 MB is waited for.
-const FRAMES: usize = 3000;
+const FRAMES: usize = 1200;
 /// Longer than any of these runs takes to get there.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -86,7 +86,7 @@ fn long_take(file: &str, list: &str, per_frame: &str, ids: &[&str]) -> String {
 fn sequence_folder() -> (tempfile::TempDir, &'static str) {
     let folder = tempfile::tempdir().expect("a folder");
     let scan = folder.path().join("scan.obj");
-    std::fs::copy(tiny_face().join("00-take/scan.obj"), scan).expect("a copy");
+    std::fs::copy(tiny_face().join("00-virtual-rig/take/scan.obj"), scan).expect("a copy");
     let ids = ["lip_lower_1", "lip_corner_l", "lip_corner_r", "forehead_m_1", "jaw_r_1", "nose_m_1"];
     let handles = long_take("02-rbf-warp/handles.jsonl", "handles", "displacements_mm", &ids);
     std::fs::write(folder.path().join("handles.jsonl"), handles).expect("a file");
@@ -156,7 +156,7 @@ fn an_interrupted_stream_leaves_nothing() {
 fn an_interrupted_stabilize_leaves_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let ids = ["head_1", "head_2", "head_3", "head_4", "head_5", "nose_m_1"];
-    let take = long_take("00-take/markers.jsonl", "markers", "points", &ids);
+    let take = long_take("00-virtual-rig/truth/markers.jsonl", "markers", "points", &ids);
     std::fs::write(folder.path().join("markers.jsonl"), take).expect("a file");
     let line = "stabilize --markers markers.jsonl --head-markers head_* --swaps report --out made/head.jsonl --pose -";
     let mut child = start(folder.path(), line);

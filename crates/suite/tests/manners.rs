@@ -64,8 +64,8 @@ const CALLS: &[(&str, &[&str])] = &[
     ("rbf-warp", &["apply", "--warp", DOCUMENT, "--points", MESH, "--unit", "mm", "--out", "out.obj"]),
     ("stabilize", &["--markers", STREAM, "--out", "head.jsonl", "--pose", "pose.jsonl"]),
     ("virtual-rig", &["make", "--scenario", DOCUMENT, "--out", OUT]),
-    ("virtual-rig", &["scenario", "--scenario", DOCUMENT, "--out", OUT]),
-    ("virtual-rig", &["score", "sync", STREAM, "--truth", "missing-input"]),
+    ("virtual-rig", &["scenario", "--scenario", DOCUMENT, "--out", "out.json"]),
+    ("virtual-rig", &["score", "tracks-2d", STREAM, "--truth", MISSING]),
     // `house new-stage` adds here
 ];
 

@@ -1,17 +1,9 @@
-//! Synthetic scenes for tests: a face that acts and a mocap system that records it, small shapes with known faults.
-//!
-//! The scenes are the truth that stages are measured against; they share no code with any stage.
+//! Small shapes for tests, with known properties and known faults.
 //!
 //! ```
-//! use testkit::face::{Face, Weights};
-//! let face = Face::new(1, 2_000);
-//! let shouting = face.deform(&Weights { jaw_open: 1.0, ..Weights::default() });
-//! assert_eq!(shouting.len(), face.mesh().positions.len());
+//! use testkit::shapes;
+//! let ball = shapes::sphere(10.0, 8);
+//! assert!(ball.positions.iter().all(|point| (point.coords.norm() - 10.0).abs() < 1e-12));
 //! ```
 
-pub mod face;
 pub mod shapes;
-
-mod performance;
-
-pub use performance::{Performance, Recording};

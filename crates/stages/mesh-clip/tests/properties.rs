@@ -3,7 +3,7 @@
 use mesh::{Connectivity, Mesh};
 use mesh_clip::{Clipped, Error, Mask, Params, Picks, Region, clip};
 use proptest::prelude::*;
-use testkit::face::Face;
+use std::path::Path;
 use testkit::shapes;
 
 fn around(mesh: &Mesh) -> Connectivity {
@@ -188,18 +188,20 @@ fn what_cannot_be_done_says_why() {
 
 #[test]
 fn a_face_stays_one_piece_with_its_openings() {
-    let face = Face::new(1, 3_000);
+    let scan = "../../../fixtures/tiny-face/00-virtual-rig/take/scan.obj";
+    let face = artifact::obj::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(scan), artifact::Unit::Mm);
+    let face = face.expect("the tiny face");
     let params = Params {
         keep_regions: vec![Region::Below { axis: 1, value_mm: 90.0 }],
         drop_non_manifold: true,
         keep_largest_component: true,
         ..Params::default()
     };
-    let clipped = clip(face.mesh(), &Picks::default(), &params).expect("the face below the hair");
+    let clipped = clip(&face, &Picks::default(), &params).expect("the face below the hair");
     let sound = around(&clipped.mesh);
     assert_eq!((sound.components().1, sound.boundary_loops().len()), (1, 4));
     assert!(sound.bow_ties().is_empty() && sound.non_manifold_edges().is_empty());
-    assert_maps_agree(face.mesh(), &clipped);
+    assert_maps_agree(&face, &clipped);
 }
 
 proptest! {

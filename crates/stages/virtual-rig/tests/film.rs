@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use testkit::shapes;
+use virtual_rig::body::Body;
 use virtual_rig::film::{Exposure, Film, Gloss, Grain, Moment, Scene, Sensor, Skin, Solid, develop, expose};
 use virtual_rig::paint::{BLUE, Dot, GREEN, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates};
 
@@ -516,8 +517,8 @@ fn eight_samples_a_side_agree_with_four() {
 
 /// A face with 85 dots and two strokes on its forehead, under a soft light from above.
 fn painted_face(vertex_count: usize) -> (Thing, Layers) {
-    let face = testkit::face::Face::new(1, vertex_count);
-    let mut thing = Thing::of(face.mesh()).colored([0.55, 0.36, 0.27]);
+    let face = Body::parametric(1, vertex_count, &[], 0.0);
+    let mut thing = Thing::of(&face.mesh).colored([0.55, 0.36, 0.27]);
     let up = Vector3::new(0.1, 0.6, 0.8).normalize();
     thing.irradiance = thing.normals.iter().map(|normal| [0.55 + 0.4 * normal.dot(&up) as f32; 3]).collect();
     let dots = face.markers().into_iter().enumerate().map(|(number, marker)| {

@@ -3,6 +3,8 @@
 //! The binaries belong to other packages, so the suite asks cargo to build them once and to say where they are.
 #![allow(dead_code, clippy::print_stdout, reason = "each test uses its part; absent data is told of")]
 
+pub(crate) mod likeness;
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
