@@ -130,7 +130,8 @@ fn check_start(studio: &Studio, schedule: &Schedule, frames: FrameRange) -> anyh
 #[cfg(feature = "video")]
 mod videos {
     use super::{Video, camera_rate, entry};
-    use ::footage::{Codec, VideoWriter};
+    use ::footage::{Codec, Error, VideoWriter};
+    use anyhow::anyhow;
     use artifact::Staged;
     use std::collections::BTreeMap;
     use std::path::{Path, PathBuf};
@@ -164,7 +165,12 @@ mod videos {
                     image_size: station.camera.image_size,
                     rate: (rate.frames, rate.seconds),
                 };
-                VideoWriter::check(&plan.path, codec, plan.image_size, plan.rate)?;
+                VideoWriter::check(&plan.path, codec, plan.image_size, plan.rate).map_err(
+                    |error| match error {
+                        Error::Size { .. } => anyhow!("{error}, or choose another --image-scale"),
+                        other => other.into(),
+                    },
+                )?;
                 cameras.insert(id.clone(), plan);
             }
             Ok(Self { codec, cameras, begun: BTreeMap::new() })

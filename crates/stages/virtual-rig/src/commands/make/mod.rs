@@ -24,8 +24,6 @@ use virtual_rig::take::Studio;
 pub(crate) struct Arguments {
     #[command(flatten)]
     choice: Choice,
-    #[command(flatten)]
-    given: given::GivenFace,
     /// Frames to film, by their absolute numbers; the rest of the take stays the same
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -44,6 +42,8 @@ pub(crate) struct Arguments {
     /// Folder to make; gets take/ and truth/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    given: given::GivenFace,
 }
 
 /// What stands in the side-cars.
