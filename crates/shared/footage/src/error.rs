@@ -97,6 +97,23 @@ pub enum Error {
 }
 
 impl Error {
+    /// The same about another name of the file: the one that the user knows, where the video was written to a temporary one.
+    #[must_use]
+    pub fn in_file(mut self, name: &Path) -> Self {
+        let (Self::Io { path, .. }
+        | Self::NotVideo { path }
+        | Self::EndsEarly { path, .. }
+        | Self::SizeChanges { path, .. }
+        | Self::Ending { path, .. }
+        | Self::Size { path, .. }
+        | Self::Rate { path, .. }
+        | Self::NoEncoder { path, .. }
+        | Self::Incomplete { path, .. }
+        | Self::OpenCv { path, .. }) = &mut self;
+        *path = name.to_path_buf();
+        self
+    }
+
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_path_buf();
         move |cause| Self::Io { path, action, cause }

@@ -20,6 +20,27 @@ pub struct VideoWriter {
 }
 
 impl VideoWriter {
+    /// Whether [`VideoWriter::create`] would take these; touches nothing on the disk.
+    ///
+    /// # Errors
+    /// If size, rate or ending will not do.
+    pub fn check(path: &Path, codec: Codec, image_size: [u32; 2], rate: (u32, u32)) -> Result<(), Error> {
+        let path_buf = || path.to_path_buf();
+        if !path
+            .extension()
+            .is_some_and(|own| codec.endings().iter().any(|ending| own.eq_ignore_ascii_case(ending)))
+        {
+            return Err(Error::Ending { path: path_buf(), codec });
+        }
+        if image_size.iter().any(|&side| side == 0 || side % 2 == 1 || side > 1 << 15) {
+            return Err(Error::Size { path: path_buf(), size: image_size });
+        }
+        match rate.0 > 0 && rate.1 > 0 {
+            true => Ok(()),
+            false => Err(Error::Rate { path: path_buf(), rate }),
+        }
+    }
+
     /// Starts a file. Its ending chooses the container (see [`Codec::endings`]), so a temporary name must keep it.
     ///
     /// `image_size`: width, height, px, both even; `rate`: frames, in so many seconds (`(30000, 1001)` is written as
@@ -29,7 +50,7 @@ impl VideoWriter {
     /// If size, rate or ending will not do, the folder is missing, or the codec cannot be written here.
     pub fn create(path: &Path, codec: Codec, image_size: [u32; 2], rate: (u32, u32)) -> Result<Self, Error> {
         quiet::silence();
-        check(path, codec, image_size, rate)?;
+        Self::check(path, codec, image_size, rate)?;
         // OpenCV would not say why a file cannot be made.
         touch(path).map_err(Error::io(path, "written"))?;
         let mut guard = Discard(Some(path));
@@ -111,23 +132,6 @@ impl Drop for Discard<'_> {
         if let Some(path) = self.0 {
             let _ = std::fs::remove_file(path);
         }
-    }
-}
-
-fn check(path: &Path, codec: Codec, size: [u32; 2], rate: (u32, u32)) -> Result<(), Error> {
-    let path_buf = || path.to_path_buf();
-    if !path
-        .extension()
-        .is_some_and(|own| codec.endings().iter().any(|ending| own.eq_ignore_ascii_case(ending)))
-    {
-        return Err(Error::Ending { path: path_buf(), codec });
-    }
-    if size.iter().any(|&side| side == 0 || side % 2 == 1 || side > 1 << 15) {
-        return Err(Error::Size { path: path_buf(), size });
-    }
-    match rate.0 > 0 && rate.1 > 0 {
-        true => Ok(()),
-        false => Err(Error::Rate { path: path_buf(), rate }),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The take itself, frame by frame.
 
 use super::Arguments;
+use super::footage::FootageSink;
 use super::paper::Paper;
 use super::records::Records;
 use artifact::{FrameRange, Labels, PerCamera, Staged, TrackState, picture};
@@ -25,6 +26,7 @@ pub(super) fn film(
     studio: &Studio,
     schedule: &Schedule,
     paper: &Paper,
+    mut footage: FootageSink,
     arguments: &Arguments,
 ) -> anyhow::Result<Vec<Staged>> {
     let extent = studio.scenario().extent;
@@ -42,7 +44,8 @@ pub(super) fn film(
         let (own, filmed) = run.timed("film", || film_frame(studio, *frame, shots, !arguments.no_normals))?;
         for image in &filmed {
             let station = &studio.stations()[&image.shot.camera];
-            write_image(&arguments.out, image, station, extent.first_frame + frame)?;
+            footage.write(&image.shot, station, &image.rgb)?;
+            write_pictures(&arguments.out, image, station, extent.first_frame + frame)?;
             images += 1;
             let camera = &image.shot.camera;
             match station.role {
@@ -62,7 +65,8 @@ pub(super) fn film(
     }
     drop(progress);
     run.result("images", images);
-    let mut outputs = records.finish()?;
+    let mut outputs = footage.finish()?;
+    outputs.extend(records.finish()?);
     if !labels.is_empty() {
         let first = wanted.first().map_or(0, |(frame, _)| *frame);
         let labels =
@@ -116,14 +120,10 @@ fn image(studio: &Studio, set: &Set, shot: &Shot, with_normals: bool) -> anyhow:
     Ok(Image { shot: shot.clone(), rgb, truth, normals })
 }
 
-fn write_image(out: &Path, image: &Image, station: &Station, frame: i64) -> anyhow::Result<()> {
+/// What is true of an image in each of its pixels.
+fn write_pictures(out: &Path, image: &Image, station: &Station, frame: i64) -> anyhow::Result<()> {
     let [width, height] = station.camera.image_size.map(|side| side as usize);
     let camera = &image.shot.camera;
-    let first = image.shot.entry.index;
-    for index in first..first + image.shot.copies {
-        let path = out.join(format!("take/footage/{camera}/{index:06}.png"));
-        picture::write_rgb8(&path, width, height, &image.rgb)?.publish()?;
-    }
     if station.role == Role::Wrinkle {
         let gray = |share: f32| (255.0 * share).round() as u8;
         let coverage: Vec<u8> =

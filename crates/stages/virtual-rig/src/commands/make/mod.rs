@@ -3,6 +3,7 @@
 mod calibration;
 mod choice;
 mod film;
+mod footage;
 mod given;
 mod headers;
 mod paper;
@@ -12,6 +13,7 @@ pub(crate) use choice::Choice;
 
 use anyhow::bail;
 use artifact::FrameRange;
+use footage::{FootageSink, Video};
 use serde::Serialize;
 use stage::Run;
 use std::path::PathBuf;
@@ -23,14 +25,15 @@ use virtual_rig::take::Studio;
 pub(crate) struct Arguments {
     #[command(flatten)]
     choice: Choice,
-    #[command(flatten)]
-    given: given::GivenFace,
     /// Frames to film, by their absolute numbers; the rest of the take stays the same
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
     /// Film neither the boards nor the wand
     #[arg(long)]
     no_calibration: bool,
+    /// One video per camera instead of PNG pictures: lossless ffv1 (.avi), or lossy h264 (.mp4) or mjpg (.avi)
+    #[arg(long, value_name = "ffv1|h264|mjpg", hide_possible_values = true, conflicts_with = "no_footage")]
+    video: Option<Video>,
     /// Film nothing: write only what is true of faces, not of images
     #[arg(long)]
     no_footage: bool,
@@ -40,6 +43,8 @@ pub(crate) struct Arguments {
     /// Folder to make; gets take/ and truth/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    given: given::GivenFace,
 }
 
 /// What stands in the side-cars.
@@ -47,16 +52,24 @@ pub(crate) struct Arguments {
 struct Parameters<'a> {
     scenario: &'a Scenario,
     frames: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    video: Option<Video>,
     #[serde(flatten)]
     given: &'a given::GivenFace,
 }
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("make");
+    arguments.video.map_or(Ok(()), Video::check)?;
     let mut scenario = arguments.choice.scenario(run)?;
     let given = arguments.given.read(run, &mut scenario)?;
     let frames = arguments.frames.unwrap_or(FrameRange::ALL);
-    run.parameters(&Parameters { scenario: &scenario, frames: frames.to_string(), given: &arguments.given })?;
+    run.parameters(&Parameters {
+        scenario: &scenario,
+        frames: frames.to_string(),
+        video: arguments.video,
+        given: &arguments.given,
+    })?;
     let last = scenario.extent.first_frame + i64::from(scenario.extent.frames) - 1;
     if !(scenario.extent.first_frame..=last).any(|frame| frames.contains(frame)) {
         bail!(
@@ -77,13 +90,14 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.result("vertices", studio.body().mesh.positions.len());
     run.result("markers", studio.marker_names().len());
     let schedule = studio.schedule()?;
-    let (paper, last) = paper::Paper::new(&studio, &arguments.given, &arguments.out)?;
+    let footage = FootageSink::new(arguments.video, &studio, &schedule, frames, &arguments.out)?;
+    let (paper, last) = paper::Paper::new(&studio, &arguments.given, arguments.video, &arguments.out)?;
     let mut outputs = paper.write_truth(&studio)?;
     outputs.extend(paper.write_take(&studio, &schedule, &arguments.out)?);
     if !arguments.no_calibration {
         calibration::film(run, &studio, &arguments.out)?;
     }
-    outputs.extend(film::film(run, &studio, &schedule, &paper, arguments)?);
+    outputs.extend(film::film(run, &studio, &schedule, &paper, footage, arguments)?);
     // The manifest comes last: a folder without it is not finished.
     outputs.extend(last);
     run.publish(outputs)

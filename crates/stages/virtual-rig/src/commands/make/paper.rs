@@ -1,9 +1,10 @@
 //! What is written down beside the images: manifest, scan, picks, cameras, time stamps.
 
+use super::footage::{self, Video};
 use super::given;
 use artifact::{
-    Axis, CameraRig, Clock, FileRef, Footage, MeshRef, RigCamera, Staged, Take, TakeCamera, TakeRef, Unit,
-    obj, sha256, stage_bytes,
+    Axis, CameraRig, Clock, FileRef, MeshRef, RigCamera, Staged, Take, TakeCamera, TakeRef, Unit, obj,
+    sha256, stage_bytes,
 };
 use camera::Camera;
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use virtual_rig::clock::Schedule;
 use virtual_rig::film::Transfer;
 use virtual_rig::scenario::FaultKind;
-use virtual_rig::take::{Role, Station, Studio};
+use virtual_rig::take::{Station, Studio};
 
 /// What the files of a take refer to.
 pub(super) struct Paper {
@@ -31,6 +32,7 @@ impl Paper {
     pub(super) fn new(
         studio: &Studio,
         given: &given::GivenFace,
+        video: Option<Video>,
         out: &Path,
     ) -> anyhow::Result<(Self, Vec<Staged>)> {
         let folder = out.join("take");
@@ -42,7 +44,7 @@ impl Paper {
             vertex_count: body.mesh.positions.len(),
         };
         let clock = clock(studio);
-        let manifest = manifest(studio, given, &scan, clock);
+        let manifest = manifest(studio, given, video, &scan, clock);
         let manifest_file = artifact::write_document(&folder.join("take.json"), &manifest)?;
         let take = TakeRef { take: manifest.take, session: manifest.session, sha256: hash(&manifest_file)? };
         Ok((Self { truth: out.join("truth"), take, scan, clock }, vec![scan_file, manifest_file]))
@@ -103,14 +105,16 @@ fn clock(studio: &Studio) -> Clock {
     }
 }
 
-fn manifest(studio: &Studio, given: &given::GivenFace, scan: &MeshRef, clock: Clock) -> Take {
+fn manifest(
+    studio: &Studio,
+    given: &given::GivenFace,
+    video: Option<Video>,
+    scan: &MeshRef,
+    clock: Clock,
+) -> Take {
     let scenario = studio.scenario();
     let extent = scenario.extent;
     let camera = |(id, station): (&String, &Station)| {
-        let every = match station.role {
-            Role::Mocap => 1,
-            Role::Wrinkle => extent.wrinkle_every,
-        };
         TakeCamera {
             id: id.clone(),
             image_size: station.camera.image_size,
@@ -121,13 +125,8 @@ fn manifest(studio: &Studio, given: &given::GivenFace, scan: &MeshRef, clock: Cl
                 Transfer::Gamma(gamma) => format!("gamma {gamma}"),
             },
             bit_depth: 8,
-            rate: artifact::Rate { frames: extent.rate.frames, seconds: extent.rate.seconds * every },
-            footage: Some(Footage {
-                file: None,
-                images: Some(format!("footage/{id}/{{frame:06}}.png")),
-                first: 0,
-                timestamps: Some(format!("footage/{id}.csv")),
-            }),
+            rate: footage::camera_rate(studio, station),
+            footage: Some(footage::entry(video, id)),
         }
     };
     Take {
