@@ -3,6 +3,7 @@
 use crate::body::Body;
 use crate::body::expressions::ExpressionSet;
 use crate::body::face::{BISECTED, Near};
+use crate::body::place::TURN;
 use crate::body::refine::Refinement;
 use crate::body::scan::Scan;
 use mesh::{Mesh, triangle_areas};
@@ -22,7 +23,7 @@ impl Base {
     #[must_use]
     pub fn body(self, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Body {
         match self {
-            Self::Scan(Scan { mesh, domain, albedo, face_from_canonical, .. }) => {
+            Self::Scan(Scan { mesh, domain, albedo, face_from_canonical, eyes_are_open, .. }) => {
                 let finer = Finer::of(
                     Points { mesh, domain, albedo, offsets: Vec::new() },
                     vertex_count,
@@ -30,15 +31,30 @@ impl Base {
                     near_mm,
                 );
                 let Points { mesh, domain, albedo, .. } = finer;
-                Body::from_muscles(mesh, domain, albedo, face_from_canonical)
+                let body = Body::from_muscles(mesh, domain, albedo, face_from_canonical);
+                if eyes_are_open { body.with_eyeballs() } else { body }
             }
             Self::Expressions(ExpressionSet { scan, names, offsets }) => {
-                let Scan { mesh, domain, albedo, .. } = scan;
+                let Scan { mesh, domain, albedo, face_from_canonical, eyes_are_open, .. } = scan;
                 let Points { mesh, domain, albedo, offsets } =
                     Finer::of(Points { mesh, domain, albedo, offsets }, vertex_count, near, near_mm);
-                Body::from_shapes(mesh, domain, albedo, names, offsets)
+                let body = Body::from_shapes(mesh, domain, albedo, names, offsets);
+                let body = Body { face_from_canonical, ..body };
+                if eyes_are_open { body.with_eyeballs() } else { body }
             }
         }
+    }
+}
+
+/// Places farther apart than this along s lie on either side of the cut at the back of the head, mm.
+const ACROSS_CUT: f64 = 100.0;
+
+/// The middle between two places of the unrolled face; of neighbours across the cut it is at the cut, not on the face.
+fn place_between(a: Point2<f64>, b: Point2<f64>) -> Point2<f64> {
+    let way = b.x - a.x;
+    match way.abs() > ACROSS_CUT {
+        true => nalgebra::center(&a, &Point2::new(b.x - TURN.copysign(way), b.y)),
+        false => nalgebra::center(&a, &b),
     }
 }
 
@@ -76,7 +92,7 @@ impl Finer {
             for &[a, b] in &refinement.parents()[first - mesh.positions.len()..] {
                 let (a, b) = (a as usize, b as usize);
                 positions.push(nalgebra::center(&positions[a], &positions[b]));
-                domain.push(nalgebra::center(&domain[a], &domain[b]));
+                domain.push(place_between(domain[a], domain[b]));
                 albedo.push(std::array::from_fn(|channel| 0.5 * (albedo[a][channel] + albedo[b][channel])));
                 for field in &mut offsets {
                     field.push(0.5 * (field[a] + field[b]));
@@ -84,5 +100,17 @@ impl Finer {
             }
         }
         Points { mesh: refinement.mesh(&mesh, positions), domain, albedo, offsets }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_across_the_cut_is_at_the_cut() {
+        let middle = place_between(Point2::new(220.0, 80.0), Point2::new(-222.0, 82.0));
+        assert!((middle.x.abs() - 0.5 * TURN).abs() < 2.0 && middle.y == 81.0, "{middle}");
+        assert_eq!(place_between(Point2::new(-3.0, 1.0), Point2::new(5.0, 2.0)), Point2::new(1.0, 1.5));
     }
 }

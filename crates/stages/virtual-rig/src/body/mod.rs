@@ -5,6 +5,7 @@ pub mod expressions;
 pub mod face;
 mod motion;
 mod muscles;
+mod outside;
 pub mod place;
 mod props;
 pub mod refine;
@@ -16,6 +17,8 @@ pub use base::Base;
 pub use face::MarkerPlace;
 pub use muscles::MUSCLES;
 pub use props::Prop;
+
+pub(crate) use outside::Outside;
 
 use face::{Face, Person, skin};
 use mesh::Mesh;
@@ -153,13 +156,33 @@ impl Body {
         face::markers(&self.person, &self.domain)
     }
 
-    /// The rest positions of five markers on a headband over the forehead, mm; they move with the head only.
+    /// The rest positions of five markers on a headband over the forehead, mm; they move with the head only. They are at
+    /// least 5 mm over the skin.
     #[must_use]
     pub fn headband(&self) -> Vec<(String, Point3<f64>)> {
-        let carried = |(name, point)| (name, self.face_from_canonical.transform_point(&point));
-        face::headband(&self.person).into_iter().map(carried).collect()
+        let skin = self.outside();
+        let worn = |(name, point)| {
+            let carried = self.face_from_canonical.transform_point(&point);
+            (name, skin.lifted(&carried, MARKER_OVER_SKIN_MM, MARKER_OVER_SKIN_MM))
+        };
+        face::headband(&self.person).into_iter().map(worn).collect()
+    }
+
+    /// The resting skin, to wear things on.
+    pub(crate) fn outside(&self) -> Outside<'_> {
+        Outside::of(&self.mesh.positions, &self.triangles)
+    }
+
+    /// The same body with eyeballs behind the open lids of a scan.
+    fn with_eyeballs(mut self) -> Self {
+        let balls = [1.0, -1.0].into_iter().filter_map(|side| props::eyeball_behind(&self, side));
+        self.props = balls.collect();
+        self
     }
 }
+
+/// Markers on a headband are at least this high over the skin, and over all skin this near, mm.
+const MARKER_OVER_SKIN_MM: f64 = 5.0;
 
 fn muscle_names() -> Vec<String> {
     MUSCLES.iter().map(ToString::to_string).collect()

@@ -2,11 +2,12 @@
 //!
 //! Props hide things, so that a picture looks like a person; they carry no truth.
 
+use super::Body;
 use super::face::outline::{Contour, mouth_line};
 use super::face::profile::{bump, curve, smooth_step};
 use super::face::{Person, surface};
 use mesh::{Mesh, Polygons};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point2, Point3, Similarity3, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// A thing that hides others but carries no truth: an eyeball, the dark of the mouth.
@@ -46,21 +47,67 @@ fn sheet(columns: u32, rows: u32, is_closed: bool, at: impl Fn(f64, f64) -> (Poi
     Prop { mesh: Mesh { positions, polygons, ..Mesh::default() }, albedo }
 }
 
-/// A ball that looks ahead; the cornea stands out a little.
+/// An eyeball in its socket.
+struct Eyeball {
+    /// From the ball's own space, a radius of [`BALL_RADIUS`] around 0 looking along +z, to the face's.
+    place: Similarity3<f64>,
+    /// +1 for the subject's left.
+    side: f64,
+}
+
 fn eyeball(person: &Person, side: f64) -> Prop {
     let center = surface::eyeball(person, side);
-    sheet(96, 72, true, |u, v| {
-        // From the back to the front, where the rows are closer; the poles are left out: no triangle is empty.
-        let polar = PI * (0.001 + 0.998 * (1.0 - v).powf(1.3));
-        let (sin, cos) = polar.sin_cos();
-        let (up, across) = (TAU * u).sin_cos();
-        let radius = BALL_RADIUS + 0.7 * (1.0 - smooth_step(polar / (1.1 * IRIS)));
-        // Wider beside the iris, most towards the nose, so that the corners of the eye are filled.
-        let widest = 0.08 - 0.08 * side * across;
-        let wide = 1.0 + widest * smooth_step((polar - IRIS) / 0.6);
-        let out = Vector3::new(across * sin * wide, up * sin, cos);
-        (center + out * radius, eye_color(person, polar, u))
-    })
+    let place = Similarity3::from_parts(center.coords.into(), UnitQuaternion::identity(), 1.0);
+    Eyeball { place, side }.prop(person)
+}
+
+/// Lids are this far from the ball, share of its radius: the cornea is in front of it.
+const UNDER_LID: f64 = 0.08;
+/// Radius of the ball behind a scan's lids over its size, mm.
+const SCAN_RADIUS: f64 = 12.0;
+/// Places of the lids' edges among the landmarks: upper, lower.
+const LIDS: [[f64; 2]; 2] = [[33.0, 41.4], [33.0, 32.0]];
+/// The vertices of a lid's edge lie this near to its landmark's place, mm.
+const AT_LANDMARK: f64 = 1.0;
+
+/// The ball behind the open lids of a scan, which touch it: so far back that the edges of both are just over it.
+pub(super) fn eyeball_behind(body: &Body, side: f64) -> Option<Prop> {
+    let [upper, lower] = LIDS.map(|[s, t]| nearest(body, Point2::new(side * s, t)));
+    let (upper, lower) = (upper?, lower?);
+    let (turn, size) = (body.face_from_canonical.isometry.rotation, body.face_from_canonical.scaling());
+    let radius = SCAN_RADIUS * size;
+    let opening = upper - lower;
+    let ahead = turn * Vector3::z();
+    let out = (ahead - opening * (ahead.dot(&opening) / opening.norm_squared())).normalize();
+    let depth = ((1.0 + UNDER_LID) * radius).powi(2) - 0.25 * opening.norm_squared();
+    let center = nalgebra::center(&upper, &lower) - out * depth.max(0.0).sqrt();
+    let place = Similarity3::from_parts(center.coords.into(), turn, radius / BALL_RADIUS);
+    Some(Eyeball { place, side }.prop(&body.person))
+}
+
+/// The vertex at a place of the unrolled face.
+fn nearest(body: &Body, at: Point2<f64>) -> Option<Point3<f64>> {
+    let distances = body.domain.iter().map(|place| (place - at).norm());
+    let (vertex, distance) = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1))?;
+    (distance < AT_LANDMARK).then_some(body.mesh.positions[vertex])
+}
+
+impl Eyeball {
+    /// A ball that looks ahead; the cornea stands out a little.
+    fn prop(&self, person: &Person) -> Prop {
+        sheet(96, 72, true, |u, v| {
+            // From the back to the front, where the rows are closer; the poles are left out: no triangle is empty.
+            let polar = PI * (0.001 + 0.998 * (1.0 - v).powf(1.3));
+            let (sin, cos) = polar.sin_cos();
+            let (up, across) = (TAU * u).sin_cos();
+            let radius = BALL_RADIUS + 0.7 * (1.0 - smooth_step(polar / (1.1 * IRIS)));
+            // Wider beside the iris, most towards the nose, so that the corners of the eye are filled.
+            let widest = 0.08 - 0.08 * self.side * across;
+            let wide = 1.0 + widest * smooth_step((polar - IRIS) / 0.6);
+            let out = Point3::new(across * sin * wide, up * sin, cos) * radius;
+            (self.place * out, eye_color(person, polar, u))
+        })
+    }
 }
 
 fn eye_color(person: &Person, polar: f64, turn: f64) -> [f32; 3] {

@@ -1,6 +1,6 @@
 //! Balls on a headband: they move with the head only.
 
-use crate::body::Body;
+use crate::body::{Body, Outside};
 use crate::scenario::Scenario;
 use crate::take::shapes::{ball, strip};
 use mesh::Mesh;
@@ -18,6 +18,8 @@ pub(super) struct Headband {
 pub(super) const BALL_MM: f64 = 1.8;
 /// Height of the band, mm.
 const BAND_MM: f64 = 7.0;
+/// The band is at least this high over the skin, mm.
+const OVER_SKIN_MM: f64 = 1.2;
 /// The band goes on so far behind its outer balls, mm.
 const OVERHANG_MM: f64 = 16.0;
 const BAND_ALBEDO: [f32; 3] = [0.09, 0.09, 0.10];
@@ -37,17 +39,8 @@ impl Headband {
         for (_, center) in &balls {
             add(ball(center, BALL_MM), scenario.paint.dot_color);
         }
-        // The band runs behind the balls, so that nothing of them sinks into it.
-        let middle =
-            balls.iter().fold(Vector3::zeros(), |sum, (_, at)| sum + at.coords) / balls.len().max(1) as f64;
-        let behind = |at: &Point3<f64>| {
-            let mut out = at.coords - middle;
-            out.y = 0.0;
-            out.z += 60.0;
-            at - out.normalize() * (BALL_MM + 0.6)
-        };
-        let line: Vec<Point3<f64>> = balls.iter().map(|(_, at)| behind(at)).collect();
-        add(strip(&smooth(&line), BAND_MM), BAND_ALBEDO);
+        let skin = body.outside();
+        add(strip(&band(&skin, &balls), BAND_MM), BAND_ALBEDO);
         let mesh = Mesh::from_triangles(points, &triangles);
         Self { balls, mesh, albedo }
     }
@@ -61,6 +54,21 @@ impl Headband {
     pub(super) fn centers(&self) -> impl Iterator<Item = Point3<f64>> {
         self.balls.iter().map(|(_, center)| *center)
     }
+}
+
+/// The band's middle line with the direction in which it is wide. It runs behind the balls, so that nothing of them
+/// sinks into it, and lies against the skin without cutting into it.
+fn band(skin: &Outside, balls: &[(String, Point3<f64>)]) -> Vec<(Point3<f64>, Vector3<f64>)> {
+    let behind = |at: &Point3<f64>| at - skin.outwards(at) * (BALL_MM + 0.6);
+    let line: Vec<Point3<f64>> = balls.iter().map(|(_, at)| behind(at)).collect();
+    let curve: Vec<Point3<f64>> =
+        smooth(&line).iter().map(|at| skin.lifted(at, OVER_SKIN_MM, 0.5 * BAND_MM + 1.0)).collect();
+    let last = curve.len().saturating_sub(1);
+    let wide = |i: usize| {
+        let along = curve[(i + 1).min(last)] - curve[i.saturating_sub(1)];
+        skin.outwards(&curve[i]).cross(&along).try_normalize(1e-9).unwrap_or_else(Vector3::y)
+    };
+    (0..curve.len()).map(|i| (curve[i], wide(i))).collect()
 }
 
 /// Pieces of the band between two balls.
@@ -87,8 +95,11 @@ fn smooth(line: &[Point3<f64>]) -> Vec<Point3<f64>> {
     curve.extend(line.last());
     // A band does not end at its last ball.
     if let [first, second, .., before, end] = curve[..] {
-        curve.insert(0, first + (first - second).normalize() * OVERHANG_MM);
-        curve.push(end + (end - before).normalize() * OVERHANG_MM);
+        let beyond = |from: Point3<f64>, way: Vector3<f64>| {
+            (1..=4).map(move |piece| from + way.normalize() * (OVERHANG_MM * f64::from(piece) / 4.0))
+        };
+        curve.splice(0..0, beyond(first, first - second).collect::<Vec<_>>().into_iter().rev());
+        curve.extend(beyond(end, end - before));
     }
     curve
 }

@@ -31,10 +31,11 @@ pub(super) fn ball(center: &Point3<f64>, radius: f64) -> (Vec<Point3<f64>>, Vec<
     (points, triangles)
 }
 
-/// An upright strip along a line, seen from both sides.
-pub(super) fn strip(line: &[Point3<f64>], height: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
-    let half = Vector3::y() * (0.5 * height);
-    let points = line.iter().flat_map(|at| [at - half, at + half]).collect();
+/// A strip along a line, seen from both sides; per point of its middle the direction in which it is wide.
+pub(super) fn strip(line: &[(Point3<f64>, Vector3<f64>)], width: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let edges =
+        |(at, wide): &(Point3<f64>, Vector3<f64>)| [at - wide * (0.5 * width), at + wide * (0.5 * width)];
+    let points = line.iter().flat_map(edges).collect();
     let pieces = (1..line.len() as u32).flat_map(|i| {
         let [a, b, c, d] = [2 * i - 2, 2 * i - 1, 2 * i, 2 * i + 1];
         [[a, c, d], [a, d, b], [a, d, c], [a, b, d]]

@@ -15,6 +15,8 @@ use rayon::prelude::*;
 
 /// Step along a line's path when it is laid onto the surface, mm of the domain.
 const LAY_STEP: f64 = 0.2;
+/// Between two steps a line goes no farther on the surface: there it leaps to another sheet, mm.
+const LEAP_MM: f64 = 2.0;
 /// What of a line lies on the mesh must be at least this long, mm.
 const SHORTEST: f64 = 3.0;
 /// Normals are averaged along a line over about this length, mm.
@@ -152,13 +154,23 @@ fn dense(path: &[Point2<f64>]) -> Vec<Point2<f64>> {
     points
 }
 
-/// The longest run of a path that lies on the mesh, with its points in space.
+/// The longest run of a path that lies on one sheet of the mesh, with its points in space.
 fn lay(path: &[Point2<f64>], atlas: &Atlas, rest: &[Point3<f64>]) -> Vec<(Point2<f64>, Point3<f64>)> {
-    let on: Vec<Option<(Point2<f64>, Point3<f64>)>> =
-        path.iter().map(|&at| atlas.find(at).map(|spot| (at, spot.at(rest)))).collect();
-    let runs = on.split(Option::is_none).map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
+    let on = path.iter().map(|&at| atlas.find(at, rest).map(|spot| (at, spot.at(rest))));
+    let mut runs: Vec<Vec<(Point2<f64>, Point3<f64>)>> = vec![Vec::new()];
+    for laid in on {
+        let hangs_on = |run: &Vec<(Point2<f64>, Point3<f64>)>| {
+            let last = run.last().zip(laid);
+            last.is_some_and(|(last, laid)| (laid.1 - last.1).norm() <= LEAP_MM)
+        };
+        match (laid, runs.last_mut()) {
+            (Some(laid), Some(run)) if hangs_on(run) => run.push(laid),
+            (Some(laid), _) => runs.push(vec![laid]),
+            (None, _) => runs.push(Vec::new()),
+        }
+    }
     // The first of equally long runs.
-    runs.fold(Vec::new(), |best, run| if run.len() > best.len() { run } else { best })
+    runs.into_iter().fold(Vec::new(), |best, run| if run.len() > best.len() { run } else { best })
 }
 
 fn length(laid: &[(Point2<f64>, Point3<f64>)]) -> f64 {
@@ -191,7 +203,7 @@ fn sections(
     let form = Form::of(line, params, length);
     let count = (length / params.station_mm).ceil().max(4.0);
     let spacing = length / count;
-    let spots = even_spots(laid, atlas, count as usize, spacing);
+    let spots = even_spots(laid, ground.points, atlas, count as usize, spacing);
     let frames = frames(&spots, ground.points, spacing);
     let reach = radius(line, params);
     let station = |(i, (spot, frame)): (usize, (&Spot, Cut))| {
@@ -208,7 +220,14 @@ fn sections(
 }
 
 /// Material points of a line at even distances on the surface.
-fn even_spots(laid: &[(Point2<f64>, Point3<f64>)], atlas: &Atlas, count: usize, spacing: f64) -> Vec<Spot> {
+fn even_spots(
+    laid: &[(Point2<f64>, Point3<f64>)],
+    rest: &[Point3<f64>],
+    atlas: &Atlas,
+    count: usize,
+    spacing: f64,
+) -> Vec<Spot> {
+    let find = |at| atlas.find(at, rest);
     let mut lengths = vec![0.0];
     for pair in laid.windows(2) {
         lengths.push(lengths[lengths.len() - 1] + (pair[1].1 - pair[0].1).norm());
@@ -217,7 +236,7 @@ fn even_spots(laid: &[(Point2<f64>, Point3<f64>)], atlas: &Atlas, count: usize, 
         let (k, share) = crate::wrinkle::section::locate(&lengths, spacing * i as f64);
         let (from, to) = (laid[k].0, laid[k + 1].0);
         // Rounding may push the last one over the edge.
-        atlas.find(from + (to - from) * share).or_else(|| atlas.find(from)).or_else(|| atlas.find(to))
+        find(from + (to - from) * share).or_else(|| find(from)).or_else(|| find(to))
     };
     (0..=count).filter_map(place).collect()
 }

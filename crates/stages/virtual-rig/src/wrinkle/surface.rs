@@ -68,10 +68,21 @@ impl<'a> Atlas<'a> {
         Self { domain, triangles, cells }
     }
 
-    /// The material point over a point of the domain; `None` outside.
-    pub(super) fn find(&self, at: Point2<f64>) -> Option<Spot> {
+    /// The material point over a point of the domain; `None` outside. Where sheets lie over each other (a scan's mouth
+    /// goes on inside) it is on the outermost: of those that face outwards, the one farthest along their normals.
+    pub(super) fn find(&self, at: Point2<f64>, points: &[Point3<f64>]) -> Option<Spot> {
         let candidates = self.cells.get(&cell(at))?;
-        candidates.iter().find_map(|&number| self.within(number, at))
+        let sheets: Vec<Spot> = candidates.iter().filter_map(|&number| self.within(number, at)).collect();
+        let faces_out = |spot: &Spot| {
+            let [a, b, c] = spot.corners.map(|vertex| self.domain[vertex as usize]);
+            (b - a).perp(&(c - a)) > 0.0
+        };
+        let out: Vec<Spot> = sheets.iter().copied().filter(faces_out).collect();
+        let sheets = if out.is_empty() { sheets } else { out };
+        let outwards: Vector3<f64> = sheets.iter().map(|spot| spot.normal(points)).sum();
+        let height = |spot: &Spot| spot.at(points).coords.dot(&outwards);
+        // The first of equally high ones.
+        sheets.into_iter().reduce(|best, spot| if height(&spot) > height(&best) { spot } else { best })
     }
 
     fn within(&self, number: u32, at: Point2<f64>) -> Option<Spot> {

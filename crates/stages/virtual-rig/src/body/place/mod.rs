@@ -37,6 +37,8 @@ const ASTRAY_MM: f64 = 22.0;
 const CYLINDER: [f64; 3] = [67.0, 83.0, -15.0];
 /// Millimetres of s per radian around the head.
 const ROLL: f64 = 72.0;
+/// Once around the head, mm of s.
+pub(super) const TURN: f64 = ROLL * std::f64::consts::TAU;
 /// Landmarks pull with 1/(r² + ε)², mm²: they are met within a thousandth of a millimetre.
 const EPSILON: f64 = 1e-4;
 /// How stiff the local affine maps are, relative to the spread of the landmarks that they are fitted to.
