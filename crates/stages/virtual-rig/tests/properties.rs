@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use artifact::TrackState;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Vector2};
 use virtual_rig::act::{HeadMotion, Timeline};
 use virtual_rig::scenario::{Fault, FaultKind, Length, Performance, Scenario, preset};
-use virtual_rig::take::{Given, ImageTruth, Studio, shots_by_frame};
+use virtual_rig::take::{Given, ImageTruth, Role, Studio, shots_by_frame};
 
 /// A small, short take with these changes.
 fn studio(change: impl FnOnce(&mut Scenario)) -> Studio {
@@ -56,27 +56,27 @@ fn a_head_carries_its_markers_rigidly() {
     }
 }
 
-/// A dot that is wholly seen stands in the image where its centre does.
+/// A dot that is wholly seen by a mocap camera stands in the image where its centre does. Not quite: where a dot bends over
+/// the bridge of the nose, the side that faces the camera counts for more there. On average nothing is left of that.
 #[test]
 fn tracks_are_projected_markers() {
     let studio = studio(|_| {});
     let set = studio.set(0.02, 0.0, false);
     let world = studio.markers_in_world(&set);
-    let mut compared = 0;
-    for station in studio.stations().values() {
+    let mut offsets: Vec<Vector2<f64>> = Vec::new();
+    for station in studio.stations().values().filter(|station| station.role == Role::Mocap) {
         let exposure = studio.expose(&set, station).unwrap();
         let truth = studio.truth_of(&set, station, &exposure);
         for (sample, point) in truth.tracks.iter().zip(&world) {
-            let Some(sample) = sample.filter(|s| s.state == TrackState::Seen && s.confidence > 0.99) else {
-                continue;
-            };
-            let pixel: Point3<f64> = *point;
-            let apart = (station.camera.project(&pixel).unwrap() - sample.at.coords).norm();
-            assert!(apart < 0.2, "{apart} px");
-            compared += 1;
+            if let Some(sample) = sample.filter(|s| s.state == TrackState::Seen && s.confidence > 0.99) {
+                offsets.push(sample.at.coords - station.camera.project(point).unwrap());
+            }
         }
     }
-    assert!(compared > 200, "{compared}");
+    assert!(offsets.len() > 200, "{}", offsets.len());
+    let worst = offsets.iter().map(Vector2::norm).fold(0.0, f64::max);
+    let mean = offsets.iter().sum::<Vector2<f64>>() / offsets.len() as f64;
+    assert!(worst < 0.2 && mean.norm() < 0.02, "worst {worst} px, mean {mean}");
 }
 
 #[test]
