@@ -38,8 +38,9 @@ fn expected() -> Vec<PathBuf> {
     names.extend(["large-scale", "wrinkled"].map(|name| format!("truth/{name}.pc2")));
     let streams = ["sync", "tracks-2d", "markers", "head", "pose", "valleys", "wrinkles-2d", "sections"];
     names.extend(streams.map(|name| format!("truth/{name}.jsonl")));
-    names.sort();
-    names.into_iter().map(PathBuf::from).collect()
+    let mut paths: Vec<PathBuf> = names.into_iter().map(PathBuf::from).collect();
+    paths.sort();
+    paths
 }
 
 #[test]
