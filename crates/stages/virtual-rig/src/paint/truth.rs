@@ -3,23 +3,23 @@
 use super::{Dot, Touch};
 use camera::Camera;
 use nalgebra::{Point3, Vector2, Vector3};
-use std::f64::consts::TAU;
 
-/// Rings of quads that a dot is cut into.
-const RINGS: usize = 8;
-/// Quads per ring.
-const SECTORS: usize = 64;
-/// A node this far outside a triangle, in weights of its corners, still counts as on its edge.
-const ON_EDGE: f64 = 1e-9;
+/// The radius of a dot over the size of the pieces that it is cut into.
+const FINENESS: f64 = 12.0;
+/// Most parts of a triangle's side: a dot on a mesh much coarser than itself.
+const MOST_PARTS: f64 = 128.0;
 
-/// A dot cut into small quads between rings and rays, whose corners are located on the surface once and follow it from
-/// then on. Their projected areas give the dot's centroid in an image without asking any pixel.
+/// A dot cut into small triangles that lie on the surface and follow it. Their projected areas give the dot's centroid in an
+/// image without asking any pixel.
 ///
-/// The nodes are pushed outwards by √(θ / sin θ), θ = 2π / 64, so that the polygon has the area of the smooth outline.
-#[derive(Debug, Clone)]
+/// Each triangle of the surface that the dot touches is cut into pieces, and these along the dot's outline, so that a dot at
+/// a rim has just the paint that there is skin for. Along the outline, chords stand for it: the area is 0.1 % too small.
+#[derive(Debug, Clone, Default)]
 pub struct DotSamples {
-    /// Corners of the surface and their weights: the centre, then ring by ring; none off the surface.
-    nodes: Vec<Option<([u32; 3], [f64; 3])>>,
+    /// Corners of the surface and their weights.
+    nodes: Vec<([u32; 3], [f64; 3])>,
+    /// Triangles between nodes, turned as the surface's.
+    pieces: Vec<[u32; 3]>,
 }
 
 /// A dot as a camera sees it.
@@ -41,17 +41,51 @@ pub struct DotView {
 
 impl DotSamples {
     pub(super) fn locate(dot: &Dot, triangles: &[[u32; 3]], touches: &[(u32, Touch)]) -> Self {
-        let theta = TAU / SECTORS as f64;
-        let push = (theta / theta.sin()).sqrt();
-        let node = |ring: usize, sector: usize| {
-            let angle = theta * sector as f64;
-            let distance = push * dot.outline.radius(angle) * ring as f64 / RINGS as f64;
-            find([distance * angle.cos(), distance * angle.sin()], touches)
-                .map(|(triangle, weights)| (triangles[triangle as usize], weights))
+        let mut samples = Self::default();
+        for (triangle, touch) in touches {
+            samples.cut(dot, triangles[*triangle as usize], &touch.corners);
+        }
+        samples
+    }
+
+    /// Adds what of a triangle is painted; `corners` are its corners in the dot's coordinates.
+    fn cut(&mut self, dot: &Dot, vertices: [u32; 3], corners: &[[f64; 2]; 3]) {
+        let side = |i: usize, j: usize| (corners[i][0] - corners[j][0]).hypot(corners[i][1] - corners[j][1]);
+        let longest = side(0, 1).max(side(1, 2)).max(side(2, 0));
+        let parts = (FINENESS * longest / dot.outline.radius_mm).ceil().clamp(1.0, MOST_PARTS) as u32;
+        let step = 1.0 / f64::from(parts);
+        let corner = |i: u32, j: u32| {
+            let [second, third] = [i, j].map(|k| f64::from(k) * step);
+            Corner::of(dot, [1.0 - second - third, second, third], corners)
         };
-        let rings = (1..=RINGS).flat_map(|ring| (0..SECTORS).map(move |sector| (ring, sector)));
-        let nodes = std::iter::once((0, 0)).chain(rings).map(|(ring, sector)| node(ring, sector)).collect();
-        Self { nodes }
+        for i in 0..parts {
+            for j in 0..parts - i {
+                self.add([corner(i, j), corner(i + 1, j), corner(i, j + 1)], vertices);
+                if i + j + 2 <= parts {
+                    self.add([corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)], vertices);
+                }
+            }
+        }
+    }
+
+    /// Adds the part of a piece that lies inside the outline.
+    fn add(&mut self, piece: [Corner; 3], vertices: [u32; 3]) {
+        let mut kept: Vec<[f64; 3]> = Vec::with_capacity(4);
+        for side in 0..3 {
+            let (from, to) = (&piece[side], &piece[(side + 1) % 3]);
+            if from.inside_mm > 0.0 {
+                kept.push(from.weights);
+            }
+            if (from.inside_mm > 0.0) != (to.inside_mm > 0.0) {
+                let share = from.inside_mm / (from.inside_mm - to.inside_mm);
+                kept.push(std::array::from_fn(|k| {
+                    from.weights[k] + share * (to.weights[k] - from.weights[k])
+                }));
+            }
+        }
+        let first = self.nodes.len() as u32;
+        self.nodes.extend(kept.iter().map(|weights| (vertices, *weights)));
+        self.pieces.extend((2..kept.len() as u32).map(|last| [first, first + last - 1, first + last]));
     }
 
     /// How a camera sees the dot. `visible` says whether nothing hides a point in the world that lands on that pixel
@@ -65,48 +99,26 @@ impl DotSamples {
         camera: &Camera,
         visible: impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
     ) -> DotView {
-        let nodes: Vec<Option<Node>> =
-            self.nodes.iter().map(|node| Node::of(node, positions, camera)).collect();
+        let nodes: Vec<Node> = self.nodes.iter().map(|node| Node::of(node, positions, camera)).collect();
         let mut sum = Sum::default();
-        for triangle in patches() {
-            let [Some(a), Some(b), Some(c)] = triangle.map(|node| nodes[node].as_ref()) else { continue };
-            sum.add([a, b, c], camera, &visible);
+        for piece in &self.pieces {
+            sum.add(piece.map(|node| &nodes[node as usize]), camera, &visible);
         }
         sum.finish(camera)
     }
 }
 
-/// The triangles of all quads, counter-clockwise about the dot's normal.
-fn patches() -> impl Iterator<Item = [usize; 3]> {
-    let node = |ring: usize, sector: usize| match ring {
-        0 => 0,
-        _ => 1 + (ring - 1) * SECTORS + sector % SECTORS,
-    };
-    (0..RINGS).flat_map(move |ring| {
-        (0..SECTORS).flat_map(move |sector| {
-            let [inner, inner_next] = [sector, sector + 1].map(|sector| node(ring, sector));
-            let [outer, outer_next] = [sector, sector + 1].map(|sector| node(ring + 1, sector));
-            let both = [[inner, outer, outer_next], [inner, outer_next, inner_next]];
-            both.into_iter().take(if ring == 0 { 1 } else { 2 })
-        })
-    })
+/// A corner of a piece: weights of the triangle's corners, and how far inside the outline it lies.
+struct Corner {
+    weights: [f64; 3],
+    inside_mm: f64,
 }
 
-/// The triangle that holds a place of the layer, and the weights of its corners.
-fn find(place: [f64; 2], touches: &[(u32, Touch)]) -> Option<(u32, [f64; 3])> {
-    touches.iter().find_map(|(triangle, touch)| {
-        let weights = weights(place, &touch.corners)?;
-        weights.iter().all(|&weight| weight >= -ON_EDGE).then_some((*triangle, weights))
-    })
-}
-
-fn weights([x, y]: [f64; 2], [p, q, r]: &[[f64; 2]; 3]) -> Option<[f64; 3]> {
-    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-    let [to_q, to_r, to_place] =
-        [[q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]], [x - p[0], y - p[1]]];
-    let area = cross(to_q, to_r);
-    let (second, third) = (cross(to_place, to_r) / area, cross(to_q, to_place) / area);
-    (area != 0.0).then_some([1.0 - second - third, second, third])
+impl Corner {
+    fn of(dot: &Dot, weights: [f64; 3], corners: &[[f64; 2]; 3]) -> Self {
+        let [a, b] = [0, 1].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum::<f64>());
+        Self { weights, inside_mm: dot.outline.radius(b.atan2(a)) - a.hypot(b) }
+    }
 }
 
 struct Node {
@@ -115,8 +127,7 @@ struct Node {
 }
 
 impl Node {
-    fn of(place: &Option<([u32; 3], [f64; 3])>, positions: &[Point3<f64>], camera: &Camera) -> Option<Self> {
-        let (corners, weights) = place.as_ref()?;
+    fn of((corners, weights): &([u32; 3], [f64; 3]), positions: &[Point3<f64>], camera: &Camera) -> Self {
         let sum: Vector3<f64> = corners
             .iter()
             .zip(weights)
@@ -125,7 +136,7 @@ impl Node {
         let position = Point3::from(sum);
         // Behind the camera nothing is seen, but the paint is still there.
         let pixel = camera.project(&position).unwrap_or(Vector2::repeat(f64::NAN));
-        Some(Self { position, pixel })
+        Self { position, pixel }
     }
 }
 

@@ -259,7 +259,8 @@ mod tests {
         assert_eq!(controls.len(), points.len() + 2);
         for (knot, point) in points.iter().enumerate() {
             for axis in 0..2 {
-                let at = (controls[knot][axis] + 4.0 * controls[knot + 1][axis] + controls[knot + 2][axis]) / 6.0;
+                let at =
+                    (controls[knot][axis] + 4.0 * controls[knot + 1][axis] + controls[knot + 2][axis]) / 6.0;
                 assert!((at - point.pixel[axis]).abs() < 1e-12, "knot {knot}");
             }
         }
