@@ -15,7 +15,7 @@ mod support;
 use std::fmt::Write;
 use std::path::Path;
 use support::likeness::{files, json_difference, picture_difference, table_difference};
-use support::{call, names, succeed, tiny_face};
+use support::{call, succeed, tiny_face};
 
 /// Markers, handles, poses and single meshes: double precision all the way, so only the order of sums may differ
 /// between machines, and picometres would do; a nanometre leaves room for the warp's condition number.
@@ -42,7 +42,8 @@ use Yardstick::{Carried, Distance, Levels, Numbers};
 /// Where the take is.
 const TAKE: &str = "00-virtual-rig";
 /// Makes it, in a folder with the scenario.
-const RIG: &str = "virtual-rig make --scenario scenario.json --no-calibration --no-normals --out 00-virtual-rig";
+const RIG: &str =
+    "virtual-rig make --scenario scenario.json --no-calibration --no-normals --out 00-virtual-rig";
 
 struct Stage {
     folder: &'static str,
@@ -53,8 +54,10 @@ struct Stage {
 const STAGES: &[Stage] = &[
     Stage {
         folder: "01-stabilize",
-        calls: &["stabilize --markers 00-virtual-rig/truth/markers.jsonl --take 00-virtual-rig/take/take.json --head-markers head_* \
-             --out 01-stabilize/head.jsonl --pose 01-stabilize/pose.jsonl"],
+        calls: &[
+            "stabilize --markers 00-virtual-rig/truth/markers.jsonl --take 00-virtual-rig/take/take.json --head-markers head_* \
+             --out 01-stabilize/head.jsonl --pose 01-stabilize/pose.jsonl",
+        ],
         artifacts: &[("head.jsonl", Distance(EXACT_MM)), ("pose.jsonl", Numbers(EXACT_MM))],
     },
     Stage {
@@ -91,8 +94,10 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         folder: "05-preview",
-        calls: &["preview --mesh 00-virtual-rig/take/scan.obj --unit mm --sequence 03-linear-shell/large-scale.json \
-             --handles 02-rbf-warp/handles.jsonl --count 2 --size 160 --out 05-preview/frames.png"],
+        calls: &[
+            "preview --mesh 00-virtual-rig/take/scan.obj --unit mm --sequence 03-linear-shell/large-scale.json \
+             --handles 02-rbf-warp/handles.jsonl --count 2 --size 160 --out 05-preview/frames.png",
+        ],
         artifacts: &[("frames.png", Levels(LEVELS))],
     },
 ];

@@ -49,8 +49,9 @@ fn value_difference(
             let far = apart(a.as_f64().expect("a number"), b.as_f64().expect("a number"));
             far.then(|| format!("{place}: {b}, not {a}"))
         }
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => (0..a.len())
-            .find_map(|i| value_difference(&format!("{place}/{i}"), &a[i], &b[i], apart, besides)),
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            (0..a.len()).find_map(|i| value_difference(&format!("{place}/{i}"), &a[i], &b[i], apart, besides))
+        }
         (Value::Object(a), Value::Object(b)) if a.keys().eq(b.keys()) => {
             a.iter().filter(|(key, _)| !besides.contains(&key.as_str())).find_map(|(key, value)| {
                 value_difference(&format!("{place}/{key}"), value, &b[key], apart, besides)
