@@ -139,16 +139,27 @@ impl Exposure {
         Self { size, radiance, depth_mm, covers }
     }
 
-    /// Whether nothing in the image hides a point in the world: the depths of the pixels around it show nothing nearer by
-    /// more than a tolerance. Good to half a pixel; for [`crate::paint::DotSamples::view`].
+    /// Whether nothing in the image hides a point in the world: the pixel that it lands on shows nothing that is nearer by
+    /// more than a tolerance and what the depth changes within the pixel. Good to half a pixel; for
+    /// [`crate::paint::DotSamples::view`].
     pub fn sees(&self, camera: &Camera, tolerance_mm: f64) -> impl Fn(&Point3<f64>, Vector2<f64>) -> bool {
         let [width, height] = self.size.map(|side| i64::from(side) - 1);
+        let shown = move |column: i64, row: i64| {
+            let pixel = row.clamp(0, height) * (width + 1) + column.clamp(0, width);
+            f64::from(self.depth_mm[pixel as usize])
+        };
         move |point, pixel| {
             let depth = (camera.cam_from_world * point).z;
-            let column = (pixel.x.round() as i64).clamp(0, width);
-            let row = (pixel.y.round() as i64).clamp(0, height);
-            let shown = self.depth_mm[(row * (width + 1) + column) as usize];
-            depth <= f64::from(shown) + tolerance_mm
+            let (column, row) = (pixel.x.round() as i64, pixel.y.round() as i64);
+            let here = shown(column, row);
+            // Of two neighbours the one that lies on the same surface.
+            let slope = |[x, y]: [i64; 2]| {
+                let [before, after] =
+                    [-1, 1].map(|step| (shown(column + step * x, row + step * y) - here).abs());
+                before.min(after)
+            };
+            let within_pixel = 0.5 * (slope([1, 0]) + slope([0, 1]));
+            depth <= here + tolerance_mm + within_pixel
         }
     }
 

@@ -27,8 +27,8 @@ pub struct ImageTruth {
 const MOST_OBLIQUE: f64 = 70.0 * std::f64::consts::PI / 180.0;
 /// … and with at least this share of its paint unhidden.
 const LEAST_SEEN: f64 = 0.6;
-/// The depth of a pixel may differ so much from that of a point seen in it, mm: skin at 70° across half a pixel.
-const DEPTH_TOLERANCE_MM: f64 = 1.5;
+/// The depth of a pixel may differ so much from that of a point seen in it, mm, beside what it changes within the pixel.
+const DEPTH_TOLERANCE_MM: f64 = 0.2;
 /// Distance of sections along a valley in the image, px, about.
 const SECTION_PX: f64 = 2.0;
 /// Points that a valley curve needs in an image.
