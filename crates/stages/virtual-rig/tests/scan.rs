@@ -8,10 +8,12 @@ use mesh::{Connectivity, Mesh, shortest_way, vertex_normals};
 use nalgebra::{Point2, Point3};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use virtual_rig::body::Base;
 use virtual_rig::body::expressions::{ExpressionSet, Shape, expressions};
 use virtual_rig::body::place::{LANDMARKS, Placement};
 use virtual_rig::body::scan::{Notes, Scan, scan};
 use virtual_rig::body::texture::Texture;
+use virtual_rig::wrinkle::{Params, Style, Wrinkles, lines};
 
 /// A file of the data folder, or `None` with a line that says so.
 #[allow(
@@ -243,4 +245,69 @@ fn a_real_expression_set_acts() {
     assert!(place(&set.offsets[1]).y < -28.0);
     let blink = place(&set.offsets[2]);
     assert!((blink.x.abs() - 33.0).abs() < 10.0 && (32.0..50.0).contains(&blink.y), "{blink}");
+}
+
+/// Lines and markers lie on the skin of the face, not at the back of the head and not in the pocket behind the lips.
+#[test]
+fn paint_stays_on_the_face() {
+    let Some(head) = perry_smith() else { return };
+    let lines = lines(0, &Style::default());
+    let paths: Vec<Vec<Point2<f64>>> = lines.iter().map(|line| line.path.clone()).collect();
+    let body = Base::Scan(act_ready(&head, None, 1)).body(150_000, &paths, 8.0);
+    let rest = &body.mesh.positions;
+    let wrinkles =
+        Wrinkles::place(rest, &body.triangles, &body.domain, &lines, &Params::default()).expect("lines");
+    for (number, line) in lines.iter().enumerate() {
+        let drawn: f64 = line.path.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        let length = wrinkles.widths(number).last().expect("sections").0;
+        assert!((0.7..1.8).contains(&(length / drawn)), "{}: {length} mm of {drawn}", line.id);
+        // Painted all along: no gap in what the line covers.
+        let mut covered = wrinkles.coordinates(number).x_mm;
+        covered.sort_by(f64::total_cmp);
+        let gap = covered.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        assert!(gap < 0.5, "{}: {gap} mm", line.id);
+    }
+    let normals = vertex_normals(rest, &body.triangles);
+    for marker in body.markers() {
+        let (at, normal) = (rest[marker.vertex as usize], normals[marker.vertex as usize]);
+        assert!(
+            at.z > -110.0 && normal.dot(&nalgebra::Vector3::new(at.x, 0.0, 60.0)) > 0.0,
+            "{}",
+            marker.name
+        );
+    }
+}
+
+/// A headband fits any head; eyeballs fill open eyes and stay behind the lids.
+#[test]
+fn what_is_worn_fits() {
+    let Some(head) = perry_smith() else { return };
+    let body = Base::Scan(act_ready(&head, None, 1)).body(40_000, &[], 8.0);
+    assert!(body.props.is_empty(), "its eyes are closed");
+    for (name, center) in body.headband() {
+        let near = |point: &Point3<f64>| (point - center).norm();
+        let nearest = body.mesh.positions.iter().map(near).fold(f64::INFINITY, f64::min);
+        assert!((4.9..20.0).contains(&nearest), "{name}: {nearest} mm");
+    }
+}
+
+#[test]
+fn open_eyes_have_eyeballs() {
+    let Some((_, set)) = facekit(&["smile"], 1) else { return };
+    let scale = set.scan.face_from_canonical.scaling();
+    let body = Base::Expressions(set).body(40_000, &[], 8.0);
+    assert_eq!(body.props.len(), 2);
+    for (ball, side) in body.props.iter().zip([1.0, -1.0]) {
+        let sum: nalgebra::Vector3<f64> = ball.mesh.positions.iter().map(|point| point.coords).sum();
+        let center = Point3::from(sum / ball.mesh.positions.len() as f64);
+        for (s, t) in [(33.0, 41.4), (33.0, 32.0)] {
+            let place = Point2::new(side * s, t);
+            let off = |vertex: &usize| (body.domain[*vertex] - place).norm();
+            let lid = (0..body.domain.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("vertices");
+            let lid = body.mesh.positions[lid];
+            let clear =
+                ball.mesh.positions.iter().map(|point| (point - lid).norm()).fold(f64::INFINITY, f64::min);
+            assert!((0.2..2.5).contains(&clear) && lid.z > center.z + 8.0 * scale, "{side} {t}: {clear} mm");
+        }
+    }
 }

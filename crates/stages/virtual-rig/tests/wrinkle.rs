@@ -414,3 +414,30 @@ fn people_fold_differently() {
     assert!((deepest(1) - deepest(2)).abs() > 0.01);
     assert_eq!(deepest(3), deepest(3));
 }
+
+/// Skin with a second sheet 30 mm behind it, as the wall of a mouth is behind the lips, and a third that faces it, first
+/// in the list of triangles; the two hind ones lie behind half of the skin only.
+#[test]
+fn lines_lie_on_the_outermost_sheet() {
+    let patch = Patch::new([30.0, 20.0], [0.8, 0.8]);
+    let sheet = |z: f64| patch.on(move |s, t| [s, t, z]);
+    let rest: Vec<Point3<f64>> = [sheet(0.0), sheet(-30.0), sheet(-15.0)].concat();
+    let domain = [&patch.domain[..]; 3].concat();
+    let count = patch.domain.len() as u32;
+    let half = |first: u32, turned: bool| {
+        let behind = patch.triangles.iter().filter(|corners| patch.domain[corners[0] as usize].x > 0.0);
+        let turn = move |[a, b, c]: [u32; 3]| if turned { [a, c, b] } else { [a, b, c] };
+        behind.map(move |corners| turn(corners.map(|corner| first + corner)))
+    };
+    let triangles: Vec<[u32; 3]> =
+        half(count, false).chain(half(2 * count, true)).chain(patch.triangles.iter().copied()).collect();
+    let path = vec![Point2::new(-20.0, 0.0), Point2::new(20.0, 0.0)];
+    let line = WrinkleLine::new("line", path, 1.5);
+    let wrinkles = Wrinkles::place(&rest, &triangles, &domain, &[line], &Params::default()).unwrap();
+    let valley = &wrinkles.fold(&rest).valleys[0];
+    assert!(valley.points.iter().all(|point| point.at.z.abs() < 1e-9));
+    let length = valley.points.last().unwrap().x_mm;
+    assert!((length - 40.0).abs() < 1e-6, "{length}");
+    let painted = wrinkles.coordinates(0);
+    assert!(painted.vertices.iter().all(|vertex| *vertex < count) && painted.vertices.len() > 500);
+}

@@ -153,7 +153,12 @@ impl Body {
     /// and the eyes. A marker whose place the mesh does not cover is left out.
     #[must_use]
     pub fn markers(&self) -> Vec<MarkerPlace> {
-        face::markers(&self.person, &self.domain)
+        let turn = self.face_from_canonical.isometry.rotation;
+        let outwards = |vertex: usize, at: Point2<f64>| {
+            let (sin, cos) = (at.x / place::ROLL).sin_cos();
+            self.mesh.positions[vertex].coords.dot(&(turn * Vector3::new(sin, 0.0, cos)))
+        };
+        face::markers(&self.person, &self.domain, outwards)
     }
 
     /// The rest positions of five markers on a headband over the forehead, mm; they move with the head only. They are at

@@ -25,13 +25,28 @@ const RIM_MARGIN: f64 = 9.0;
 const BAND_HEIGHT: f64 = 6.0;
 /// A marker farther from the next vertex has no place on that mesh, mm.
 const FARTHEST: f64 = 5.0;
+/// Vertices that are this much farther than the nearest may be on the skin over it, mm.
+const NEARLY: f64 = 1.5;
+/// Sheets over each other are farther apart than this, mm.
+const SHEETS: f64 = 5.0;
 /// Step of the places that markers are chosen from, mm.
 const STEP: f64 = 2.0;
 
-pub(in crate::body) fn markers(person: &Person, domain: &[Point2<f64>]) -> Vec<MarkerPlace> {
+/// `outwards`: per vertex how far out it lies, mm: of sheets over each other, e.g. skin and the pocket behind the lips, the
+/// outermost is the skin.
+pub(in crate::body) fn markers(
+    person: &Person,
+    domain: &[Point2<f64>],
+    outwards: impl Fn(usize, Point2<f64>) -> f64,
+) -> Vec<MarkerPlace> {
     let nearest = |at: Point2<f64>| {
-        let distance = |vertex: &usize| (domain[*vertex] - at).norm_squared();
-        (0..domain.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        let distance = |vertex: &usize| (domain[*vertex] - at).norm();
+        let least = (0..domain.len()).map(|vertex| distance(&vertex)).fold(f64::INFINITY, f64::min);
+        let near: Vec<usize> =
+            (0..domain.len()).filter(|vertex| distance(vertex) <= least + NEARLY).collect();
+        let out = near.iter().map(|&vertex| outwards(vertex, at)).fold(f64::NEG_INFINITY, f64::max);
+        let skin = near.into_iter().filter(|&vertex| outwards(vertex, at) >= out - SHEETS);
+        skin.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     };
     let placed = |(name, at): (String, Point2<f64>)| MarkerPlace { name, at, vertex: nearest(at) as u32 };
     let covered = |marker: &MarkerPlace| (domain[marker.vertex as usize] - marker.at).norm() < FARTHEST;

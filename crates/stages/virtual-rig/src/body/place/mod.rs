@@ -36,7 +36,7 @@ const ASTRAY_MM: f64 = 22.0;
 /// Semi-axes of the cylinder across and along, and the place of its axis, mm (the average head's).
 const CYLINDER: [f64; 3] = [67.0, 83.0, -15.0];
 /// Millimetres of s per radian around the head.
-const ROLL: f64 = 72.0;
+pub(super) const ROLL: f64 = 72.0;
 /// Once around the head, mm of s.
 pub(super) const TURN: f64 = ROLL * std::f64::consts::TAU;
 /// Landmarks pull with 1/(r² + ε)², mm²: they are met within a thousandth of a millimetre.
