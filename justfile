@@ -18,6 +18,11 @@ demo *ARGS:
 demo-real *ARGS:
     @tools/demo-real "$@"
 
+# A take of the virtual rig with its truth: virtual-take NAME [OUT] [OPTIONS], e.g. standard-2-short; alone it lists the names
+[group('use')]
+virtual-take *ARGS:
+    @tools/virtual-take "$@"
+
 # Say where each real data set comes from, under which licence, and where to put it
 [group('use')]
 fetch-data *ARGS:

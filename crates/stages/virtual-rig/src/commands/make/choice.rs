@@ -37,7 +37,10 @@ impl Choice {
         if let Some(length) = self.length {
             length.apply(&mut scenario);
         }
-        scenario.seed = self.seed.unwrap_or(scenario.seed);
+        if let Some(seed) = self.seed {
+            scenario.seed = seed;
+            scenario.head.seed = seed;
+        }
         scenario.vertices = self.vertices.unwrap_or(scenario.vertices);
         scenario.extent.frames = self.count.unwrap_or(scenario.extent.frames);
         scenario.image_scale = self.image_scale.unwrap_or(scenario.image_scale);

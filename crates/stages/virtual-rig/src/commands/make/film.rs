@@ -40,8 +40,8 @@ pub(super) fn film(
     let mut images = 0u64;
     let mut progress = run.progress("film", Some(wanted.len() as u64));
     for (frame, shots) in &wanted {
-        let shots = if arguments.no_footage { &[][..] } else { shots };
-        let (own, filmed) = run.timed("film", || film_frame(studio, *frame, shots, !arguments.no_normals))?;
+        let taken = if arguments.no_footage { &[][..] } else { shots };
+        let (own, filmed) = run.timed("film", || film_frame(studio, *frame, taken, !arguments.no_normals))?;
         for image in &filmed {
             let station = &studio.stations()[&image.shot.camera];
             footage.write(&image.shot, station, &image.rgb)?;
