@@ -38,8 +38,8 @@ build:
 test: house
     cargo fmt --all --check
     @python3 tools/peers/test_board.py --quiet
-    cargo clippy --workspace --all-targets --features virtual-rig/video --locked --quiet -- -D warnings
-    cargo test --workspace --features virtual-rig/video --locked
+    cargo clippy --workspace --all-targets --features virtual-rig/video,suite/video --locked --quiet -- -D warnings
+    cargo test --workspace --features virtual-rig/video,suite/video --locked
 
 # The rules of the house: floors, flow of artifacts, anatomy, citations, drawings
 [group('check')]

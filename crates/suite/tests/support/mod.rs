@@ -40,7 +40,11 @@ pub(crate) fn binaries() -> &'static [(String, PathBuf)] {
     static BINARIES: OnceLock<Vec<(String, PathBuf)>> = OnceLock::new();
     BINARIES.get_or_init(|| {
         let stages = stages();
-        let built = cargo(&["test", "--workspace", "--no-run", "--quiet", "--message-format=json"]);
+        let mut asked = vec!["test", "--workspace", "--no-run", "--quiet", "--message-format=json"];
+        if cfg!(feature = "video") {
+            asked.extend(["--features", "virtual-rig/video,suite/video"]);
+        }
+        let built = cargo(&asked);
         let messages = built.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
         let mut found: Vec<(String, PathBuf)> = messages
             .filter_map(|message| binary_of(&message))

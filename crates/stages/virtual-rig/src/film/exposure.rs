@@ -158,7 +158,8 @@ impl Exposure {
                     [-1, 1].map(|step| (shown(column + step * x, row + step * y) - here).abs());
                 before.min(after)
             };
-            let within_pixel = 0.5 * (slope([1, 0]) + slope([0, 1]));
+            // Half a pixel to either side, and the nearest of the samples about its middle.
+            let within_pixel = 0.8 * (slope([1, 0]) + slope([0, 1]));
             depth <= here + tolerance_mm + within_pixel
         }
     }

@@ -6,13 +6,11 @@ use nalgebra::{Point3, Vector2, Vector3};
 
 /// The radius of a dot over the size of the pieces that it is cut into.
 const FINENESS: f64 = 12.0;
-/// Most parts of a triangle's side: a dot on a mesh much coarser than itself.
-const MOST_PARTS: f64 = 128.0;
 
 /// A dot cut into small triangles that lie on the surface and follow it. Their projected areas give the dot's centroid in an
 /// image without asking any pixel.
 ///
-/// Each triangle of the surface that the dot touches is cut into pieces, and these along the dot's outline, so that a dot at
+/// Each triangle of the surface that the dot touches is halved until its pieces are small, and these along the dot's outline, so that a dot at
 /// a rim has just the paint that there is skin for. Along the outline, chords stand for it: the area is 0.1 % too small.
 #[derive(Debug, Clone, Default)]
 pub struct DotSamples {
@@ -50,21 +48,26 @@ impl DotSamples {
 
     /// Adds what of a triangle is painted; `corners` are its corners in the dot's coordinates.
     fn cut(&mut self, dot: &Dot, vertices: [u32; 3], corners: &[[f64; 2]; 3]) {
-        let side = |i: usize, j: usize| (corners[i][0] - corners[j][0]).hypot(corners[i][1] - corners[j][1]);
-        let longest = side(0, 1).max(side(1, 2)).max(side(2, 0));
-        let parts = (FINENESS * longest / dot.outline.radius_mm).ceil().clamp(1.0, MOST_PARTS) as u32;
-        let step = 1.0 / f64::from(parts);
-        let corner = |i: u32, j: u32| {
-            let [second, third] = [i, j].map(|k| f64::from(k) * step);
-            Corner::of(dot, [1.0 - second - third, second, third], corners)
-        };
-        for i in 0..parts {
-            for j in 0..parts - i {
-                self.add([corner(i, j), corner(i + 1, j), corner(i, j + 1)], vertices);
-                if i + j + 2 <= parts {
-                    self.add([corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)], vertices);
-                }
+        let corner = |weights| Corner::of(dot, weights, corners);
+        let whole = [corner([1.0, 0.0, 0.0]), corner([0.0, 1.0, 0.0]), corner([0.0, 0.0, 1.0])];
+        let mut left = vec![whole];
+        while let Some(piece) = left.pop() {
+            let [a, b, c] = &piece;
+            let longest = a.apart(b).max(b.apart(c)).max(c.apart(a));
+            // Every point of a piece lies within its longest side of each corner.
+            if a.place[0].hypot(a.place[1]) > dot.outline.largest_radius() + longest {
+                continue;
             }
+            if longest * FINENESS <= dot.outline.radius_mm {
+                self.add(piece, vertices);
+                continue;
+            }
+            let middle = |from: &Corner, to: &Corner| {
+                corner(std::array::from_fn(|k| 0.5 * (from.weights[k] + to.weights[k])))
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            let [a, b, c] = piece;
+            left.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
         }
     }
 
@@ -109,15 +112,22 @@ impl DotSamples {
 }
 
 /// A corner of a piece: weights of the triangle's corners, and how far inside the outline it lies.
+#[derive(Clone, Copy)]
 struct Corner {
     weights: [f64; 3],
+    /// In the dot's coordinates, mm.
+    place: [f64; 2],
     inside_mm: f64,
 }
 
 impl Corner {
     fn of(dot: &Dot, weights: [f64; 3], corners: &[[f64; 2]; 3]) -> Self {
         let [a, b] = [0, 1].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum::<f64>());
-        Self { weights, inside_mm: dot.outline.radius(b.atan2(a)) - a.hypot(b) }
+        Self { weights, place: [a, b], inside_mm: dot.outline.radius(b.atan2(a)) - a.hypot(b) }
+    }
+
+    fn apart(&self, other: &Self) -> f64 {
+        (self.place[0] - other.place[0]).hypot(self.place[1] - other.place[1])
     }
 }
 

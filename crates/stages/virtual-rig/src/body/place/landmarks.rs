@@ -38,7 +38,7 @@ pub const LANDMARKS: [Landmark; 42] = [
     landmark("temple_l", "hollow of the temple", [68.0, 56.0]),
     landmark("temple_r", "hollow of the temple", [-68.0, 56.0]),
     landmark("nose_root", "deepest point between the eyes", [0.0, 45.0]),
-    landmark("nose_tip", "foremost point of the nose", [0.0, 6.0]),
+    landmark("nose_tip", "foremost point of the nose", [0.0, 4.4]),
     landmark("nose_wing_l", "outermost point of the nostril's wing", [17.0, 2.0]),
     landmark("nose_wing_r", "outermost point of the nostril's wing", [-17.0, 2.0]),
     landmark("nose_base", "where the nose meets the upper lip", [0.0, -9.0]),
