@@ -324,7 +324,7 @@ def bench(ctx):
     tiny = sorted(timed([rig, "make", "--length", "tiny", "--out", ctx.tmp / f"tiny-{i}"]) for i in range(3))
     yield metric("tiny_s", tiny[1], 5, "lower", "s", low=tiny[0], high=tiny[-1])
 
-    scenario = json.loads(subprocess.run([rig, "scenario", "standard", "--quiet"], check=True, capture_output=True, text=True).stdout)
+    scenario = json.loads(subprocess.run([rig, "scenario", "--scenario", "standard", "--quiet"], check=True, capture_output=True, text=True).stdout)
     cameras = 6
     scenario["data"]["extent"] |= {"frames": 60, "wrinkle_every": 30, "wrinkle_phase": 29}
     (ctx.tmp / "mocap.json").write_text(json.dumps(scenario))
