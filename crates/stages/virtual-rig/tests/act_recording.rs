@@ -4,23 +4,8 @@
 
 use std::path::{Path, PathBuf};
 use virtual_rig::act::{Clip, ClipParams};
+use virtual_rig::body::MUSCLES;
 
-const MUSCLES: [&str; 14] = [
-    "jaw_open",
-    "smile_l",
-    "smile_r",
-    "brow_raise_l",
-    "brow_raise_r",
-    "frown",
-    "blink_l",
-    "blink_r",
-    "squint",
-    "nose_wrinkle",
-    "pucker",
-    "lips_funnel",
-    "lips_press",
-    "mouth_stretch",
-];
 const FACEKIT: [&str; 8] = [
     "brow_inner_up",
     "smile",

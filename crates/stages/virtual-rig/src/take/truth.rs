@@ -3,7 +3,7 @@
 use crate::film::Exposure;
 use crate::take::headband::BALL_MM;
 use crate::take::{Role, Set, Station, Studio};
-use crate::wrinkle::{Shape, ValleyPoint};
+use crate::wrinkle::ValleyPoint;
 use artifact::{Curve2d, CurveState, Sample2d, Section, SectionState, TrackState};
 use camera::Camera;
 use nalgebra::{Point2, Point3, Vector2};
@@ -157,11 +157,7 @@ fn ball_in_image(
 }
 
 fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Section {
-    // Other forms have no rounding and no asymmetry in the model's sense.
-    let (epsilon, kappa) = match point.profile.shape {
-        Shape::Rounded { epsilon, kappa } => (epsilon, kappa),
-        _ => (0.0, 0.0),
-    };
+    let (epsilon, kappa) = point.profile.shape.rounding();
     let w_px = width.norm();
     let normal = width / w_px.max(1e-12);
     let ratio = if point.w_mm > 0.0 { point.d_mm / point.w_mm } else { 0.0 };
@@ -230,7 +226,7 @@ impl ImageTruth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wrinkle::Profile;
+    use crate::wrinkle::{Profile, Shape};
 
     fn seen(pixel: Vector2<f64>) -> Seen {
         let profile = Profile { shape: Shape::S, w_mm: 1.0, d_mm: 0.5, fade_mm: [[5.0, 7.0]; 2] };

@@ -26,6 +26,15 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Rounding ε and asymmetry κ in the sense of the rounded S; both 0 for other forms, which have neither.
+    #[must_use]
+    pub fn rounding(&self) -> (f64, f64) {
+        match *self {
+            Self::Rounded { epsilon, kappa } => (epsilon, kappa),
+            Self::S | Self::Foreign { .. } => (0.0, 0.0),
+        }
+    }
+
     /// Height and slope at u.
     #[must_use]
     pub fn at(&self, u: f64) -> (f64, f64) {

@@ -35,6 +35,7 @@ pub(super) fn film(
     let wanted: Vec<(i64, Vec<Shot>)> =
         all.into_iter().filter(|(frame, _)| range.contains(extent.first_frame + frame)).collect();
     let mut records = Records::create(studio, paper, schedule, &wanted)?;
+    let labelled = labelled_frame(studio, &wanted);
     let mut labels: PerCamera<[f64; 2]> = BTreeMap::new();
     let mut masked: Vec<String> = Vec::new();
     let mut images = 0u64;
@@ -49,7 +50,7 @@ pub(super) fn film(
             images += 1;
             let camera = &image.shot.camera;
             match station.role {
-                Role::Mocap if !labels.contains_key(camera) => {
+                Role::Mocap if *frame == labelled => {
                     labels.insert(camera.clone(), first_labels(studio, image));
                 }
                 Role::Wrinkle if !masked.contains(camera) => {
@@ -68,12 +69,20 @@ pub(super) fn film(
     let mut outputs = footage.finish()?;
     outputs.extend(records.finish()?);
     if !labels.is_empty() {
-        let first = wanted.first().map_or(0, |(frame, _)| *frame);
-        let labels =
-            Labels { take: Some(paper.take.clone()), frame: extent.first_frame + first, cameras: labels };
+        let frame = extent.first_frame + labelled;
+        let labels = Labels { take: Some(paper.take.clone()), frame, cameras: labels };
         outputs.push(artifact::write_document(&arguments.out.join("take/labels.json"), &labels)?);
     }
     Ok(outputs)
+}
+
+/// The frame that is labelled by hand: the first that all mocap cameras show, or else the first.
+fn labelled_frame(studio: &Studio, frames: &[(i64, Vec<Shot>)]) -> i64 {
+    let mocap = studio.stations().iter().filter(|(_, station)| station.role == Role::Mocap);
+    let ids: Vec<&String> = mocap.map(|(id, _)| id).collect();
+    let shows_all = |shots: &[Shot]| ids.iter().all(|id| shots.iter().any(|shot| shot.camera == **id));
+    let whole = frames.iter().find(|(_, shots)| shows_all(shots));
+    whole.or(frames.first()).map_or(0, |(frame, _)| *frame)
 }
 
 /// The face at a frame's own time, and all its images. Cameras that film at the same time share one set.
@@ -85,16 +94,17 @@ fn film_frame(
 ) -> anyhow::Result<(Set, Vec<Image>)> {
     let own_s = frame as f64 / studio.scenario().extent.rate.hz();
     let when = |shot: &Shot| (shot.entry.time_s, studio.stations()[&shot.camera].exposure_s);
-    let mut times: Vec<(f64, f64)> = shots.iter().map(when).collect();
-    times.dedup();
+    let mut times: Vec<(f64, f64)> = Vec::new();
+    for time in shots.iter().map(when) {
+        if !times.contains(&time) {
+            times.push(time);
+        }
+    }
     let mut images = Vec::with_capacity(shots.len());
     let mut own = None;
     for (time_s, exposure_s) in times {
         let group: Vec<&Shot> = shots.iter().filter(|shot| when(shot) == (time_s, exposure_s)).collect();
         let close = group.iter().any(|shot| studio.stations()[&shot.camera].role == Role::Wrinkle);
-        if images.iter().any(|image: &Image| when(&image.shot) == (time_s, exposure_s)) {
-            continue;
-        }
         let set = studio.set(time_s, exposure_s, close);
         let filmed: Vec<Image> = group
             .into_par_iter()

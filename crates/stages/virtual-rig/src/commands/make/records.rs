@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use virtual_rig::clock::Schedule;
 use virtual_rig::take::{ImageTruth, Role, Set, Shot, Studio};
-use virtual_rig::wrinkle::{Shape, Valley};
+use virtual_rig::wrinkle::Valley;
 
 /// The files of the truth that grow frame by frame.
 pub(super) struct Records {
@@ -158,10 +158,7 @@ fn coordinates(points: &[Point3<f64>]) -> Vec<f32> {
 
 fn valley_points(valley: &Valley) -> Vec<ValleyPoint> {
     let point = |point: &virtual_rig::wrinkle::ValleyPoint| {
-        let (epsilon, kappa) = match point.profile.shape {
-            Shape::Rounded { epsilon, kappa } => (epsilon, kappa),
-            _ => (0.0, 0.0),
-        };
+        let (epsilon, kappa) = point.profile.shape.rounding();
         ValleyPoint {
             x_mm: point.x_mm,
             face: point.triangle,
