@@ -1,6 +1,6 @@
 //! Which triangles may touch which tile of the image.
 
-use super::lanes::{highest, lowest};
+use super::lanes::{Lanes, higher, highest, lower, lowest, map};
 use super::projection::Corners;
 use super::scene::Scene;
 use rayon::prelude::*;
@@ -118,13 +118,11 @@ impl Span {
 
     fn of(vertices: [u32; 3], corners: &impl Corners, tiling: &Tiling) -> Self {
         let [a, b, c] = vertices.map(|vertex| corners.corner(vertex));
-        let drawn = lowest(a.nearness).min(lowest(b.nearness)).min(lowest(c.nearness)) > 0.0;
-        let low =
-            [lowest(a.x).min(lowest(b.x)).min(lowest(c.x)), lowest(a.y).min(lowest(b.y)).min(lowest(c.y))];
-        let high = [
-            highest(a.x).max(highest(b.x)).max(highest(c.x)),
-            highest(a.y).max(highest(b.y)).max(highest(c.y)),
-        ];
+        let least = |a: &Lanes, b: &Lanes, c: &Lanes| lowest(map(|t| lower(lower(a[t], b[t]), c[t])));
+        let most = |a: &Lanes, b: &Lanes, c: &Lanes| highest(map(|t| higher(higher(a[t], b[t]), c[t])));
+        let drawn = least(&a.nearness, &b.nearness, &c.nearness) > 0.0;
+        let low = [least(&a.x, &b.x, &c.x), least(&a.y, &b.y, &c.y)];
+        let high = [most(&a.x, &b.x, &c.x), most(&a.y, &b.y, &c.y)];
         let [width, height] = tiling.size.map(|side| side as f32 - 0.5);
         let seen = low[0] < width && low[1] < height && high[0] > -0.5 && high[1] > -0.5;
         if !(drawn && seen) {

@@ -1,6 +1,6 @@
 //! The light that an image receives.
 
-use super::bins::{Bins, TILE, Tiling, chunks};
+use super::bins::{Bins, Chunk, TILE, Tiling, chunks};
 use super::params::Film;
 use super::projection::{Corners, Projection};
 use super::scene::Scene;
@@ -9,6 +9,7 @@ use super::tile::Tile;
 use crate::Error;
 use camera::Camera;
 use nalgebra::{Point3, Vector2};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// How much of a pixel one layer of paint covers.
@@ -52,14 +53,14 @@ pub fn expose(camera: &Camera, scene: &Scene<'_>, film: &Film) -> Result<Exposur
     film.check()?;
     scene.check();
     Ok(match (Projection::of(scene, camera), film.samples_per_side) {
-        (Projection::Still(corners), 4) => with::<4>(camera, scene, film, &corners),
-        (Projection::Still(corners), _) => with::<16>(camera, scene, film, &corners),
-        (Projection::Moving(corners), 4) => with::<4>(camera, scene, film, &corners),
-        (Projection::Moving(corners), _) => with::<16>(camera, scene, film, &corners),
+        (Projection::Still(corners), 4) => with::<1>(camera, scene, film, &corners),
+        (Projection::Still(corners), _) => with::<4>(camera, scene, film, &corners),
+        (Projection::Moving(corners), 4) => with::<1>(camera, scene, film, &corners),
+        (Projection::Moving(corners), _) => with::<4>(camera, scene, film, &corners),
     })
 }
 
-fn with<const BLOCKS: usize>(
+fn with<const PARTS: usize>(
     camera: &Camera,
     scene: &Scene<'_>,
     film: &Film,
@@ -69,17 +70,46 @@ fn with<const BLOCKS: usize>(
     let chunks = chunks(scene);
     let bins = Bins::of(&chunks, corners, &tiling);
     let palette = Palette::of(scene, camera, film);
+    let arch = Arch::new();
     let parts: Vec<Part> = (0..tiling.count())
         .into_par_iter()
         .map_init(
-            || Tile::<BLOCKS>::new(scene.moves()),
+            || Tile::<PARTS>::new(scene.moves()),
             |tile, number| {
-                tile.draw(number, tiling.pixels(number), &chunks, &bins, corners);
-                Part::shade(tile, &palette, &tiling, number)
+                arch.dispatch(Job {
+                    tile,
+                    number,
+                    chunks: &chunks,
+                    bins: &bins,
+                    corners,
+                    palette: &palette,
+                    tiling: &tiling,
+                })
             },
         )
         .collect();
     Exposure::assemble(camera.image_size, &tiling, &parts)
+}
+
+/// Draws and shades a tile with the widest vectors that the processor has; they change no bit.
+struct Job<'a, C, const PARTS: usize> {
+    tile: &'a mut Tile<PARTS>,
+    number: usize,
+    chunks: &'a [Chunk<'a>],
+    bins: &'a [Bins],
+    corners: &'a C,
+    palette: &'a Palette<'a>,
+    tiling: &'a Tiling,
+}
+
+impl<C: Corners, const PARTS: usize> NullaryFnOnce for Job<'_, C, PARTS> {
+    type Output = Part;
+
+    #[inline(always)]
+    fn call(self) -> Part {
+        self.tile.draw(self.number, self.tiling.pixels(self.number), self.chunks, self.bins, self.corners);
+        Part::shade(self.tile, self.palette, self.tiling, self.number)
+    }
 }
 
 /// One tile of an exposure.
@@ -90,8 +120,9 @@ struct Part {
 }
 
 impl Part {
-    fn shade<const BLOCKS: usize>(
-        tile: &Tile<BLOCKS>,
+    #[inline(always)]
+    fn shade<const PARTS: usize>(
+        tile: &Tile<PARTS>,
         palette: &Palette<'_>,
         tiling: &Tiling,
         number: usize,
@@ -103,7 +134,7 @@ impl Part {
         let mut shader = Shader::new(palette, tile);
         for row in 0..rows {
             for column in 0..columns {
-                let light = shader.pixel(row * TILE + column, Tile::<BLOCKS>::position(column, row));
+                let light = shader.pixel(row * TILE + column, Tile::<PARTS>::position(column, row));
                 radiance.push(light.radiance);
                 depth_mm.push(light.depth_mm);
                 let pixel = ((top + row) * tiling.size[0] + left + column) as u32;

@@ -1,12 +1,16 @@
 //! Random numbers that depend on nothing but their address.
 
 use super::params::Sensor;
+use std::sync::LazyLock;
 
 /// Linear light of a mid-grey, at which noise is stated.
 const MID_GREY: f64 = 0.18;
 /// Entries of the table of normal quantiles.
 const QUANTILES: usize = 1024;
 const QUANTILE_BITS: u32 = QUANTILES.ilog2();
+
+/// Normal quantiles, of variance ½.
+static QUANTILE_TABLE: LazyLock<Vec<f32>> = LazyLock::new(quantiles);
 
 /// Which image a noise belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,8 +26,7 @@ pub struct Grain {
 /// Shot and read noise of one image.
 pub(super) struct Noise {
     key: u64,
-    /// Normal quantiles, of variance ½.
-    quantiles: Vec<f32>,
+    quantiles: &'static [f32],
     read_variance: f32,
     shot_variance_per_light: f32,
 }
@@ -36,7 +39,7 @@ impl Noise {
             .fold(0, |key, part| mix(key ^ part).wrapping_add(part));
         Self {
             key,
-            quantiles: quantiles(),
+            quantiles: &QUANTILE_TABLE,
             read_variance: (0.5 * variance) as f32,
             shot_variance_per_light: (0.5 * variance / MID_GREY) as f32,
         }

@@ -1,10 +1,11 @@
 //! Vertices in the image.
 
-use super::lanes::{LANES, Lanes, map};
+use super::lanes::{LANES, Lanes};
 use super::pattern::times;
 use super::scene::{Scene, Solid};
 use camera::{BrownConrady, Camera};
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Vertices nearer to the camera's plane than this are not drawn, mm.
@@ -34,7 +35,7 @@ impl Projection {
         let count = scene.solids().map(|solid| solid.moment.open.len()).sum();
         if moves {
             let mut all = Vec::with_capacity(count);
-            scene.solids().for_each(|solid| all.par_extend(eye.moving(solid)));
+            scene.solids().for_each(|solid| eye.moving(solid, &mut all));
             return Self::Moving(all);
         }
         let mut all = Vec::with_capacity(count);
@@ -94,15 +95,69 @@ impl<'a> Eye<'a> {
         [pixel.x as f32, pixel.y as f32, nearness as f32]
     }
 
-    fn moving(&self, solid: &Solid<'_>) -> impl IndexedParallelIterator<Item = Corner> {
+    /// Adds a solid's vertices at the four times.
+    fn moving(&self, solid: &Solid<'_>, all: &mut Vec<Corner>) {
         let open = solid.moment.open;
         let close = solid.moment.close.unwrap_or(open);
-        open.par_iter().zip(close).with_min_len(2048).map(|(from, to)| {
-            let way = to - from;
-            let seen = times().map(|time| self.see(&(from + way * time)));
-            let axis = |axis: usize| map(|time| seen[time][axis]);
-            Corner { x: axis(0), y: axis(1), nearness: axis(2) }
-        })
+        let first = all.len();
+        let nowhere = Corner { x: [0.0; LANES], y: [0.0; LANES], nearness: [0.0; LANES] };
+        all.resize(first + open.len(), nowhere);
+        let arch = Arch::new();
+        let parts = all[first..].par_chunks_mut(RUN).zip(open.par_chunks(RUN).zip(close.par_chunks(RUN)));
+        parts.for_each(|(corners, (open, close))| arch.dispatch(Seen { eye: self, open, close, corners }));
+    }
+
+    /// A vertex at the four times; [`Eye::see`] side by side, with the same bits.
+    #[inline(always)]
+    fn corner(&self, from: &Point3<f64>, to: &Point3<f64>) -> Corner {
+        let way = to - from;
+        let times = times();
+        let row = |row: usize| -> [f64; LANES] {
+            let [x, y, z] = [0, 1, 2].map(|axis| each(|t| from[axis] + way[axis] * times[t]));
+            let r = |column: usize| self.rotation[(row, column)];
+            each(|t| r(0) * x[t] + r(1) * y[t] + r(2) * z[t] + self.shift[row])
+        };
+        let (cam_x, cam_y, depth) = (row(0), row(1), row(2));
+        let nearness = each(|t| 1.0 / depth[t]);
+        let (x, y) = (each(|t| cam_x[t] * nearness[t]), each(|t| cam_y[t] * nearness[t]));
+        let lens = &self.camera.lens;
+        let mut corner = Corner { x: [0.0; LANES], y: [0.0; LANES], nearness: [0.0; LANES] };
+        for t in 0..LANES {
+            let drawn = depth[t] >= NEAREST_MM && x[t] * x[t] + y[t] * y[t] < self.fold_squared;
+            let at = lens.distortion.distort(Vector2::new(x[t], y[t]));
+            let pixel = lens.focal_px.component_mul(&at) + lens.center_px;
+            corner.x[t] = if drawn { pixel.x as f32 } else { 0.0 };
+            corner.y[t] = if drawn { pixel.y as f32 } else { 0.0 };
+            corner.nearness[t] = if drawn { nearness[t] as f32 } else { 0.0 };
+        }
+        corner
+    }
+}
+
+/// Vertices per job.
+const RUN: usize = 2048;
+
+#[inline(always)]
+fn each(f: impl Fn(usize) -> f64) -> [f64; LANES] {
+    std::array::from_fn(f)
+}
+
+/// Vertices seen with the widest vectors that the processor has; they change no bit.
+struct Seen<'a> {
+    eye: &'a Eye<'a>,
+    open: &'a [Point3<f64>],
+    close: &'a [Point3<f64>],
+    corners: &'a mut [Corner],
+}
+
+impl NullaryFnOnce for Seen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for ((corner, from), to) in self.corners.iter_mut().zip(self.open).zip(self.close) {
+            *corner = self.eye.corner(from, to);
+        }
     }
 }
 

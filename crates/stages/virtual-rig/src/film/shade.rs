@@ -1,7 +1,7 @@
 //! The light that the samples of a pixel receive.
 
 use super::exposure::Cover;
-use super::lanes::LANES;
+use super::lanes::{LANES, WIDE};
 use super::params::{Film, Gloss};
 use super::pattern::Pattern;
 use super::scene::{Scene, Solid};
@@ -76,34 +76,38 @@ struct Dab {
 }
 
 /// Shades the pixels of one tile.
-pub(super) struct Shader<'a, const BLOCKS: usize> {
+pub(super) struct Shader<'a, const PARTS: usize> {
     palette: &'a Palette<'a>,
-    tile: &'a Tile<BLOCKS>,
+    tile: &'a Tile<PARTS>,
     /// Paint in the samples of the pixel.
     dabs: Vec<Dab>,
     /// Per layer: sum of the shares, and of shares times places, while they are added up; zero in between.
     sums: Vec<[f32; 3]>,
 }
 
-impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
-    const SAMPLES: usize = LANES * BLOCKS;
+impl<'a, const PARTS: usize> Shader<'a, PARTS> {
+    const SAMPLES: usize = WIDE * PARTS;
 
-    pub(super) fn new(palette: &'a Palette<'a>, tile: &'a Tile<BLOCKS>) -> Self {
+    pub(super) fn new(palette: &'a Palette<'a>, tile: &'a Tile<PARTS>) -> Self {
         Self { palette, tile, dabs: Vec::new(), sums: vec![[0.0; 3]; palette.layers.len()] }
     }
 
     /// The light of a pixel; `position` is its centre, px from the tile's middle.
+    #[inline(always)]
     pub(super) fn pixel(&mut self, pixel: usize, position: [f32; 2]) -> Light {
         self.dabs.clear();
         let seen = &self.tile.seen[pixel];
         let nearness = &self.tile.nearness[pixel];
         let central = self.tile.pattern().central;
-        let nearest = (0..LANES).fold(0.0f32, |nearest, time| nearest.max(nearness[central[time]][time]));
+        let nearest = (0..LANES).fold(0.0f32, |nearest, time| {
+            let sample = central[time];
+            nearest.max(nearness[sample / WIDE][sample % WIDE])
+        });
         let mut sum = [0.0; 3];
         let mut left = u64::MAX >> (64 - Self::SAMPLES);
         while left != 0 {
             let first = left.trailing_zeros() as usize;
-            let number = seen[first / LANES][first % LANES];
+            let number = seen[first / WIDE][first % WIDE];
             let group = same(seen, number);
             left &= !group;
             if number == NOTHING {
@@ -136,10 +140,10 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
     #[inline(always)]
     fn group(&mut self, facet: &Facet, group: u64, position: [f32; 2], sum: &mut [f32; 3]) {
         let layers = self.palette.layers;
-        if facet.of_face != NOTHING && !layers.touching(facet.of_face).is_empty() {
-            self.painted(facet, group, position, sum);
-        } else {
+        if facet.of_face == NOTHING || layers.touching(facet.of_face).is_empty() {
             self.plain(facet, group, position, sum);
+        } else {
+            self.painted(facet, group, position, sum);
         }
     }
 
@@ -164,23 +168,31 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
         }
     }
 
-    /// Light with paint: sample by sample.
+    /// Light with paint: sample by sample. How coordinates change per pixel is the first sample's: within a pixel, they
+    /// change evenly.
     fn painted(&mut self, facet: &Facet, group: u64, position: [f32; 2], sum: &mut [f32; 3]) {
+        let pattern = self.tile.pattern();
+        let weights =
+            |sample: usize| Weights::of(facet, shifted(position, pattern.place(sample)), sample % LANES);
+        let first = group.trailing_zeros() as usize;
+        let per_px = weights(first).per_px(facet, first % LANES);
         let mut left = group;
         while left != 0 {
             let sample = left.trailing_zeros() as usize;
             left &= left - 1;
-            let (block, t) = (sample / LANES, sample % LANES);
-            let pattern = self.tile.pattern();
-            let place = [pattern.x[block][t], pattern.y[block][t]];
-            let weights = Weights::of(facet, [position[0] + place[0], position[1] + place[1]], t);
-            let light = self.paint(facet, &weights, place);
-            add(sum, light, if facet.front[t] { 1.0 } else { BACK });
+            let light = self.paint(facet, &weights(sample), &per_px, pattern.place(sample));
+            add(sum, light, if facet.front[sample % LANES] { 1.0 } else { BACK });
         }
     }
 
     /// The light of one painted sample; notes the layers' shares.
-    fn paint(&mut self, facet: &Facet, weights: &Weights, place: [f32; 2]) -> [f32; 3] {
+    fn paint(
+        &mut self,
+        facet: &Facet,
+        weights: &Weights,
+        per_px: &[[f32; 3]; 2],
+        place: [f32; 2],
+    ) -> [f32; 3] {
         let mut light = [0.0; 3];
         let mut irradiance = [0.0; 3];
         for (vertex, weight) in facet.vertices.into_iter().zip(weights.at) {
@@ -190,7 +202,8 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
         let ramp_px = self.tile.pattern().ramp_px;
         let first = self.dabs.len();
         for touch in self.palette.layers.touching(facet.of_face) {
-            let share = self.palette.layers.share(touch.layer, &weights.spot(&touch.corners), ramp_px) as f32;
+            let share =
+                self.palette.layers.share(touch.layer, &weights.spot(per_px, &touch.corners), ramp_px) as f32;
             if share == 0.0 {
                 continue;
             }
@@ -205,11 +218,11 @@ impl<'a, const BLOCKS: usize> Shader<'a, BLOCKS> {
 
 /// The samples that see a triangle, as bits.
 #[inline(always)]
-fn same<const BLOCKS: usize>(seen: &[[u32; LANES]; BLOCKS], number: u32) -> u64 {
+fn same<const PARTS: usize>(seen: &[[u32; WIDE]; PARTS], number: u32) -> u64 {
     let mut group = 0;
-    for (block, lanes) in seen.iter().enumerate() {
-        for (t, lane) in lanes.iter().enumerate() {
-            group |= u64::from(*lane == number) << (LANES * block + t);
+    for (part, lanes) in seen.iter().enumerate() {
+        for (lane, seen) in lanes.iter().enumerate() {
+            group |= u64::from(*seen == number) << (WIDE * part + lane);
         }
     }
     group
@@ -217,17 +230,22 @@ fn same<const BLOCKS: usize>(seen: &[[u32; LANES]; BLOCKS], number: u32) -> u64 
 
 /// Per time: how many samples of a group, and the sum of their places in the pixel.
 #[inline(always)]
-fn gather<const BLOCKS: usize>(pattern: &Pattern<BLOCKS>, group: u64) -> [[f32; 3]; LANES] {
+fn gather<const PARTS: usize>(pattern: &Pattern<PARTS>, group: u64) -> [[f32; 3]; LANES] {
     let mut sums = [[0.0; 3]; LANES];
-    for block in 0..BLOCKS {
-        for (t, sum) in sums.iter_mut().enumerate() {
-            let held = (group >> (LANES * block + t) & 1) as f32;
-            sum[0] += held;
-            sum[1] += held * pattern.x[block][t];
-            sum[2] += held * pattern.y[block][t];
-        }
+    for sample in 0..WIDE * PARTS {
+        let held = (group >> sample & 1) as f32;
+        let [x, y] = pattern.place(sample);
+        let sum = &mut sums[sample % LANES];
+        sum[0] += held;
+        sum[1] += held * x;
+        sum[2] += held * y;
     }
     sums
+}
+
+#[inline(always)]
+fn shifted(position: [f32; 2], by: [f32; 2]) -> [f32; 2] {
+    [position[0] + by[0], position[1] + by[1]]
 }
 
 #[inline(always)]
@@ -237,14 +255,15 @@ fn add(sum: &mut [f32; 3], light: [f32; 3], weight: f32) {
     }
 }
 
-/// Weights of a triangle's corners on the surface (perspective undone) at a place of the image, and their change per
-/// pixel along each axis.
+/// Weights of a triangle's corners on the surface (perspective undone) at a place of the image.
 struct Weights {
     at: [f32; 3],
-    per_px: [[f32; 3]; 2],
+    /// Perspective: what the weights are multiplied by at last.
+    total: f32,
 }
 
 impl Weights {
+    #[inline(always)]
     fn of(facet: &Facet, place: [f32; 2], t: usize) -> Self {
         let (x, y) = (place[0] - facet.x[t], place[1] - facet.y[t]);
         let slopes = facet.slopes.map(|slope| [slope[0][t], slope[1][t]]);
@@ -252,21 +271,26 @@ impl Weights {
         let nearness = facet.nearness.map(|lanes| lanes[t]);
         let q = [(1.0 - second - third) * nearness[0], second * nearness[1], third * nearness[2]];
         let total = 1.0 / (q[0] + q[1] + q[2]);
-        let at = q.map(|q| q * total);
-        let per_px = [0, 1].map(|axis| {
-            let [second, third] = slopes.map(|slope| slope[axis]);
+        Self { at: q.map(|q| q * total), total }
+    }
+
+    /// Their change per pixel along each axis.
+    fn per_px(&self, facet: &Facet, t: usize) -> [[f32; 3]; 2] {
+        let nearness = facet.nearness.map(|lanes| lanes[t]);
+        [0, 1].map(|axis| {
+            let [second, third] = facet.slopes.map(|slope| slope[axis][t]);
             let change = [-(second + third) * nearness[0], second * nearness[1], third * nearness[2]];
             let drift = change[0] + change[1] + change[2];
-            std::array::from_fn(|corner| (change[corner] - at[corner] * drift) * total)
-        });
-        Self { at, per_px }
+            std::array::from_fn(|corner| (change[corner] - self.at[corner] * drift) * self.total)
+        })
     }
 
     /// The same place in a layer's coordinates.
-    fn spot(&self, corners: &[[f64; 2]; 3]) -> Spot {
+    #[inline(always)]
+    fn spot(&self, per_px: &[[f32; 3]; 2], corners: &[[f64; 2]; 3]) -> Spot {
         let mix = |weights: &[f32; 3]| {
             [0, 1].map(|axis| (0..3).map(|corner| f64::from(weights[corner]) * corners[corner][axis]).sum())
         };
-        Spot { at: mix(&self.at), per_px: [mix(&self.per_px[0]), mix(&self.per_px[1])] }
+        Spot { at: mix(&self.at), per_px: [mix(&per_px[0]), mix(&per_px[1])] }
     }
 }

@@ -1,7 +1,7 @@
 //! Which triangle each sample of a tile sees.
 
 use super::bins::{Bins, Chunk, TILE};
-use super::lanes::{LANES, Lanes, highest, lowest, map};
+use super::lanes::{LANES, Lanes, WIDE, Wide, higher, highest, lower, lowest, map, map_wide, spread};
 use super::pattern::Pattern;
 use super::projection::{Corner, Corners};
 
@@ -43,26 +43,26 @@ struct Box2 {
 }
 
 /// What the samples of one tile see.
-pub(super) struct Tile<const BLOCKS: usize> {
-    pattern: Pattern<BLOCKS>,
+pub(super) struct Tile<const PARTS: usize> {
+    pattern: Pattern<PARTS>,
     /// 1 / depth of the nearest triangle per sample, pixel by pixel.
-    pub(super) nearness: Vec<[Lanes; BLOCKS]>,
+    pub(super) nearness: Vec<[Wide; PARTS]>,
     /// Its number in `facets`.
-    pub(super) seen: Vec<[[u32; LANES]; BLOCKS]>,
+    pub(super) seen: Vec<[[u32; WIDE]; PARTS]>,
     pub(super) facets: Vec<Facet>,
 }
 
-impl<const BLOCKS: usize> Tile<BLOCKS> {
+impl<const PARTS: usize> Tile<PARTS> {
     pub(super) fn new(moving: bool) -> Self {
         Self {
             pattern: Pattern::new(moving),
-            nearness: vec![[[0.0; LANES]; BLOCKS]; TILE * TILE],
-            seen: vec![[[NOTHING; LANES]; BLOCKS]; TILE * TILE],
+            nearness: vec![[[0.0; WIDE]; PARTS]; TILE * TILE],
+            seen: vec![[[NOTHING; WIDE]; PARTS]; TILE * TILE],
             facets: Vec::new(),
         }
     }
 
-    pub(super) fn pattern(&self) -> &Pattern<BLOCKS> {
+    pub(super) fn pattern(&self) -> &Pattern<PARTS> {
         &self.pattern
     }
 
@@ -72,6 +72,7 @@ impl<const BLOCKS: usize> Tile<BLOCKS> {
     }
 
     /// Draws the triangles of a tile whose first pixel is `first` and that has `size` columns and rows.
+    #[inline(always)]
     pub(super) fn draw(
         &mut self,
         tile: usize,
@@ -80,25 +81,27 @@ impl<const BLOCKS: usize> Tile<BLOCKS> {
         bins: &[Bins],
         corners: &impl Corners,
     ) {
-        self.nearness.fill([[0.0; LANES]; BLOCKS]);
-        self.seen.fill([[NOTHING; LANES]; BLOCKS]);
+        self.nearness.fill([[0.0; WIDE]; PARTS]);
+        self.seen.fill([[NOTHING; WIDE]; PARTS]);
         self.facets.clear();
         let middle = first.map(|pixel| pixel as f32 + MIDDLE);
+        let places_of = |chunk: &Chunk<'_>, index: u16| {
+            chunk.vertices(usize::from(index)).map(|vertex| shifted(corners.corner(vertex), middle))
+        };
         for (chunk, bins) in chunks.iter().zip(bins) {
             for &index in bins.tile(tile) {
-                let vertices = chunk.vertices(usize::from(index));
-                let places = vertices.map(|vertex| shifted(corners.corner(vertex), middle));
-                let Some(pixels) = Box2::of(&places, size) else { continue };
-                let of_face = chunk.first_of_face.map_or(NOTHING, |face| face + u32::from(index));
-                self.add(vertices, of_face, &places, &pixels);
+                let places = places_of(chunk, index);
+                if let Some(pixels) = Box2::of(&places, size) {
+                    self.add(chunk, index, &places, &pixels);
+                }
             }
         }
     }
 
     #[inline(always)]
-    fn add(&mut self, vertices: [u32; 3], of_face: u32, places: &[Corner; 3], pixels: &Box2) {
+    fn add(&mut self, chunk: &Chunk<'_>, index: u16, places: &[Corner; 3], pixels: &Box2) {
         let [p, q, r] = places;
-        let area = map(|t| (q.x[t] - p.x[t]) * (r.y[t] - p.y[t]) - (q.y[t] - p.y[t]) * (r.x[t] - p.x[t]));
+        let area = area(places);
         let edges = Edges::of(places, &area);
         // An area of zero has no inside: its slopes are never asked for.
         let slopes = [
@@ -106,8 +109,8 @@ impl<const BLOCKS: usize> Tile<BLOCKS> {
             [map(|t| -(q.y[t] - p.y[t]) / area[t]), map(|t| (q.x[t] - p.x[t]) / area[t])],
         ];
         let facet = Facet {
-            vertices,
-            of_face,
+            vertices: chunk.vertices(usize::from(index)),
+            of_face: chunk.first_of_face.map_or(NOTHING, |face| face + u32::from(index)),
             x: p.x,
             y: p.y,
             slopes,
@@ -120,39 +123,36 @@ impl<const BLOCKS: usize> Tile<BLOCKS> {
         self.facets.push(facet);
     }
 
-    /// Gives a triangle the samples that it covers and that see nothing nearer.
+    /// Gives a triangle the samples that it covers and that see nothing nearer. Bits are chosen by masks: a branch per
+    /// sample would be slower than the rest together.
     #[inline(always)]
     fn cover(&mut self, edges: &Edges, facet: &Facet, number: u32, pixels: &Box2) {
-        let pattern = &self.pattern;
-        let in_pixel = |x: &Lanes, y: &Lanes| -> [Lanes; BLOCKS] {
-            std::array::from_fn(|block| map(|t| x[t] * pattern.x[block][t] + y[t] * pattern.y[block][t]))
-        };
-        let edge_steps: [[Lanes; BLOCKS]; 3] = std::array::from_fn(|k| in_pixel(&edges.a[k], &edges.b[k]));
-        let reach: [f32; 3] =
-            std::array::from_fn(|k| highest(map(|t| 0.5 * (edges.a[k][t].abs() + edges.b[k][t].abs()))));
+        let (a, b) = (edges.a.each_ref().map(spread), edges.b.each_ref().map(spread));
         let slope = facet.nearness_slope();
-        let nearness_steps = in_pixel(&slope[0], &slope[1]);
-        for row in pixels.rows[0]..=pixels.rows[1] {
-            for column in pixels.columns[0]..=pixels.columns[1] {
-                let [x, y] = Self::position(column, row);
-                let at: [Lanes; 3] =
-                    std::array::from_fn(|k| map(|t| edges.a[k][t] * x + edges.b[k][t] * y + edges.c[k][t]));
-                if (0..3).any(|k| highest(at[k]) + reach[k] < 0.0) {
-                    continue;
-                }
-                let here = map(|t| {
-                    facet.nearness[0][t] + slope[0][t] * (x - facet.x[t]) + slope[1][t] * (y - facet.y[t])
-                });
-                let pixel = row * TILE + column;
-                let (nearness, seen) = (&mut self.nearness[pixel], &mut self.seen[pixel]);
-                for block in 0..BLOCKS {
-                    for t in 0..LANES {
-                        let [e0, e1, e2]: [f32; 3] =
-                            std::array::from_fn(|k| at[k][t] + edge_steps[k][block][t]);
-                        let depth = here[t] + nearness_steps[block][t];
-                        let wins = (e0 >= 0.0) & (e1 >= 0.0) & (e2 >= 0.0) & (depth > nearness[block][t]);
-                        nearness[block][t] = if wins { depth } else { nearness[block][t] };
-                        seen[block][t] = if wins { number } else { seen[block][t] };
+        let at_middle = map(|t| facet.nearness[0][t] - slope[0][t] * facet.x[t] - slope[1][t] * facet.y[t]);
+        let [slope_x, slope_y] = slope.each_ref().map(spread);
+        for part in 0..PARTS {
+            let (x, y) = (&self.pattern.x[part], &self.pattern.y[part]);
+            // Values at a part's samples if its pixel lay in the tile's middle.
+            let in_middle: [Wide; 3] = std::array::from_fn(|k| {
+                map_wide(|i| x[i] * a[k][i] + y[i] * b[k][i] + edges.c[k][i % LANES])
+            });
+            let near = map_wide(|i| x[i] * slope_x[i] + y[i] * slope_y[i] + at_middle[i % LANES]);
+            for row in pixels.rows[0]..=pixels.rows[1] {
+                let [_, y] = Self::position(0, row);
+                let in_row: [Wide; 3] = std::array::from_fn(|k| map_wide(|i| in_middle[k][i] + b[k][i] * y));
+                let near = map_wide(|i| near[i] + slope_y[i] * y);
+                for column in pixels.columns[0]..=pixels.columns[1] {
+                    let [x, _] = Self::position(column, row);
+                    let pixel = row * TILE + column;
+                    let (nearness, seen) = (&mut self.nearness[pixel][part], &mut self.seen[pixel][part]);
+                    for i in 0..WIDE {
+                        let edge = |k: usize| in_row[k][i] + a[k][i] * x;
+                        let depth = near[i] + slope_x[i] * x;
+                        let inside = lower(lower(edge(0), edge(1)), edge(2)) >= 0.0;
+                        let mask = u32::from(inside & (depth > nearness[i])).wrapping_neg();
+                        nearness[i] = f32::from_bits(depth.to_bits() & mask | nearness[i].to_bits() & !mask);
+                        seen[i] = number & mask | seen[i] & !mask;
                     }
                 }
             }
@@ -201,8 +201,8 @@ impl Box2 {
     #[inline(always)]
     fn of(places: &[Corner; 3], size: [usize; 2]) -> Option<Self> {
         let [p, q, r] = places;
-        let low = |p: Lanes, q: Lanes, r: Lanes| lowest(map(|t| p[t].min(q[t]).min(r[t])));
-        let high = |p: Lanes, q: Lanes, r: Lanes| highest(map(|t| p[t].max(q[t]).max(r[t])));
+        let low = |p: Lanes, q: Lanes, r: Lanes| lowest(map(|t| lower(lower(p[t], q[t]), r[t])));
+        let high = |p: Lanes, q: Lanes, r: Lanes| highest(map(|t| higher(higher(p[t], q[t]), r[t])));
         // Negative numbers become 0.
         let span = |low: f32, high: f32, size: usize| {
             let to = high + MIDDLE + 0.5;
@@ -214,6 +214,12 @@ impl Box2 {
             rows: span(low(p.y, q.y, r.y), high(p.y, q.y, r.y), size[1])?,
         })
     }
+}
+
+/// Twice the signed area in the image; not negative for backs, since y runs down.
+#[inline(always)]
+fn area([p, q, r]: &[Corner; 3]) -> Lanes {
+    map(|t| (q.x[t] - p.x[t]) * (r.y[t] - p.y[t]) - (q.y[t] - p.y[t]) * (r.x[t] - p.x[t]))
 }
 
 #[inline(always)]

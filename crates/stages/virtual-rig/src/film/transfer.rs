@@ -45,7 +45,7 @@ impl Codes {
         for code in 1..256 {
             least[code] = transfer.decode((code as f64 - 0.5) / 255.0) as f32;
         }
-        let code = |light: f32| (1..256).filter(|&code| light >= least[code]).count() as u8;
+        let code = |light: f32| (least.partition_point(|&least| light >= least) - 1) as u8;
         let first = (0..=STEPS).map(|step| code(step as f32 / STEPS as f32)).collect();
         Self { least, first }
     }

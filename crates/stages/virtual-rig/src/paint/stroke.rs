@@ -34,6 +34,12 @@ impl HalfWidth {
         self.knots.iter().map(|knot| knot[1]).fold(0.0, f64::max)
     }
 
+    /// The largest half-width between two x, mm.
+    fn largest_in(&self, from: f64, to: f64) -> f64 {
+        let inner = self.knots.iter().filter(|knot| from < knot[0] && knot[0] < to).map(|knot| knot[1]);
+        inner.fold(self.at(from).max(self.at(to)), f64::max)
+    }
+
     fn value_and_slope(&self, x: f64) -> [f64; 2] {
         let after = self.knots.partition_point(|knot| knot[0] <= x);
         if after == 0 {
@@ -97,9 +103,12 @@ impl Stroke {
 
     /// Whether a triangle with these corners (x, p) may hold some of the paint. Cautious: it says yes for some that do not.
     pub(super) fn may_touch(&self, corners: &[[f64; 2]; 3]) -> bool {
-        let (left, right) = (self.left.largest(), self.right.largest());
         // Footprints of samples reach over the edge.
-        let margin = self.smear_mm + 0.4 * left.max(right);
+        let margin = self.smear_mm + 0.4 * self.left.largest().max(self.right.largest());
+        let x = corners.map(|corner| corner[0]);
+        let from = x.into_iter().fold(f64::INFINITY, f64::min) - margin;
+        let to = x.into_iter().fold(f64::NEG_INFINITY, f64::max) + margin;
+        let (left, right) = (self.left.largest_in(from, to), self.right.largest_in(from, to));
         let beyond = |axis: usize, low: f64, high: f64| {
             corners.iter().all(|corner| corner[axis] < low - margin)
                 || corners.iter().all(|corner| corner[axis] > high + margin)
@@ -167,5 +176,8 @@ mod tests {
         assert!(stroke(0.0).may_touch(&[[0.0, -30.0], [1.0, 30.0], [2.0, 30.0]]));
         assert!(!stroke(0.0).may_touch(&[[0.0, 3.0], [1.0, 3.0], [2.0, 5.0]]));
         assert!(!stroke(0.0).may_touch(&[[30.0, 0.0], [31.0, 0.0], [32.0, 1.0]]));
+        // Beside the narrow end of a stroke that is wide elsewhere.
+        assert!(stroke(0.0).may_touch(&[[9.0, -2.5], [10.0, -2.5], [9.5, -2.7]]));
+        assert!(!stroke(0.0).may_touch(&[[-3.0, -2.5], [-2.0, -2.5], [-2.5, -2.7]]));
     }
 }

@@ -3,6 +3,7 @@
 use super::{Dot, Touch};
 use camera::Camera;
 use nalgebra::{Point3, Vector2, Vector3};
+use std::collections::HashMap;
 
 /// The radius of a dot over the size of the pieces that it is cut into.
 const FINENESS: f64 = 12.0;
@@ -15,10 +16,13 @@ const FINENESS: f64 = 12.0;
 #[derive(Debug, Clone, Default)]
 pub struct DotSamples {
     /// Corners of the surface and their weights.
-    nodes: Vec<([u32; 3], [f64; 3])>,
+    nodes: Vec<Place>,
     /// Triangles between nodes, turned as the surface's.
     pieces: Vec<[u32; 3]>,
 }
+
+/// Corners of the surface and their weights.
+type Place = ([u32; 3], [f64; 3]);
 
 /// A dot as a camera sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,13 +45,14 @@ impl DotSamples {
     pub(super) fn locate(dot: &Dot, triangles: &[[u32; 3]], touches: &[(u32, Touch)]) -> Self {
         let mut samples = Self::default();
         for (triangle, touch) in touches {
-            samples.cut(dot, triangles[*triangle as usize], &touch.corners);
+            let mut numbers = HashMap::new();
+            samples.cut(dot, triangles[*triangle as usize], &touch.corners, &mut numbers);
         }
         samples
     }
 
     /// Adds what of a triangle is painted; `corners` are its corners in the dot's coordinates.
-    fn cut(&mut self, dot: &Dot, vertices: [u32; 3], corners: &[[f64; 2]; 3]) {
+    fn cut(&mut self, dot: &Dot, vertices: [u32; 3], corners: &[[f64; 2]; 3], numbers: &mut Numbers) {
         let corner = |weights| Corner::of(dot, weights, corners);
         let whole = [corner([1.0, 0.0, 0.0]), corner([0.0, 1.0, 0.0]), corner([0.0, 0.0, 1.0])];
         let mut left = vec![whole];
@@ -59,7 +64,7 @@ impl DotSamples {
                 continue;
             }
             if longest * FINENESS <= dot.outline.radius_mm {
-                self.add(piece, vertices);
+                self.add(piece, vertices, numbers);
                 continue;
             }
             let middle = |from: &Corner, to: &Corner| {
@@ -72,7 +77,7 @@ impl DotSamples {
     }
 
     /// Adds the part of a piece that lies inside the outline.
-    fn add(&mut self, piece: [Corner; 3], vertices: [u32; 3]) {
+    fn add(&mut self, piece: [Corner; 3], vertices: [u32; 3], numbers: &mut Numbers) {
         let mut kept: Vec<[f64; 3]> = Vec::with_capacity(4);
         for side in 0..3 {
             let (from, to) = (&piece[side], &piece[(side + 1) % 3]);
@@ -86,9 +91,14 @@ impl DotSamples {
                 }));
             }
         }
-        let first = self.nodes.len() as u32;
-        self.nodes.extend(kept.iter().map(|weights| (vertices, *weights)));
-        self.pieces.extend((2..kept.len() as u32).map(|last| [first, first + last - 1, first + last]));
+        let number = |weights: [f64; 3]| {
+            *numbers.entry(weights.map(f64::to_bits)).or_insert_with(|| {
+                self.nodes.push((vertices, weights));
+                self.nodes.len() as u32 - 1
+            })
+        };
+        let kept: Vec<u32> = kept.into_iter().map(number).collect();
+        self.pieces.extend((2..kept.len()).map(|last| [kept[0], kept[last - 1], kept[last]]));
     }
 
     /// How a camera sees the dot. `visible` says whether nothing hides a point in the world that lands on that pixel
@@ -110,6 +120,9 @@ impl DotSamples {
         sum.finish(camera)
     }
 }
+
+/// Numbers of a triangle's nodes by their weights: neighbouring pieces share them.
+type Numbers = HashMap<[u64; 3], u32>;
 
 /// A corner of a piece: weights of the triangle's corners, and how far inside the outline it lies.
 #[derive(Clone, Copy)]
@@ -137,7 +150,7 @@ struct Node {
 }
 
 impl Node {
-    fn of((corners, weights): &([u32; 3], [f64; 3]), positions: &[Point3<f64>], camera: &Camera) -> Self {
+    fn of((corners, weights): &Place, positions: &[Point3<f64>], camera: &Camera) -> Self {
         let sum: Vector3<f64> = corners
             .iter()
             .zip(weights)

@@ -2,6 +2,7 @@
 
 mod markers;
 mod noise;
+mod order;
 pub(super) mod outline;
 mod person;
 pub(super) mod profile;

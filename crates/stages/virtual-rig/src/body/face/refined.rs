@@ -28,7 +28,7 @@ impl Face {
     ) -> Self {
         let wanted = vertex_count.clamp(500, 1_500_000);
         if lines.is_empty() && wanted <= SAMPLED {
-            return Self::new(seed, wanted);
+            return Self::new(seed, wanted).in_order();
         }
         let base = Self::new(seed, SAMPLED.min((SAMPLED_SHARE * wanted as f64) as usize));
         let near = Near { lines, reach };
@@ -45,7 +45,7 @@ impl Face {
             best = Growth::of(&base, &near, spacing);
         }
         let mesh = best.refinement.mesh(&base.mesh, best.positions);
-        Self { person: base.person, domain: best.domain, mesh }
+        Self { person: base.person, domain: best.domain, mesh }.in_order()
     }
 
     /// Area, each part counted by how much finer it shall be, mm².
