@@ -17,6 +17,7 @@ mod align;
 mod camera;
 mod lens;
 mod pinhole;
+mod triangulate;
 
 pub use align::{AlignError, fit_rigid, fit_similarity};
 pub use camera::Camera;
