@@ -152,3 +152,20 @@ fn every_fault_can_be_said() {
         assert_eq!((said.kind, said.camera.as_deref()), (kind, Some("m1")), "{name}");
     }
 }
+
+/// The board of the named scenarios is held where each camera of the rig sees it whole, and mostly by several at once.
+#[test]
+fn the_board_fits_into_every_cameras_view() {
+    use virtual_rig::calibration::{board_poses, is_seen_whole};
+    for seed in 0..3 {
+        let mut scenario = preset("standard").unwrap();
+        (scenario.vertices, scenario.seed) = (2000, seed);
+        let studio = Studio::set_up(scenario, Given::default()).unwrap();
+        let views = &studio.scenario().calibration.boards;
+        let cameras: Vec<_> = studio.stations().values().map(|station| station.calibrated.clone()).collect();
+        let poses = board_poses(&cameras, views, seed).unwrap();
+        let seen = |camera| poses.iter().filter(|pose| is_seen_whole(camera, &views.board, pose)).count();
+        let least = cameras.iter().map(seen).min().unwrap();
+        assert!(least >= views.count / 4, "a camera sees {least} of {}", views.count);
+    }
+}

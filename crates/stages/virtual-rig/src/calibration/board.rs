@@ -46,7 +46,7 @@ pub enum Dictionary {
 
 impl Default for Board {
     fn default() -> Self {
-        Self::Chessboard { columns: 8, rows: 6, square_mm: 28.0 }
+        Self::Chessboard { columns: 8, rows: 6, square_mm: 16.0 }
     }
 }
 

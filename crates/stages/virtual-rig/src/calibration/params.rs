@@ -39,7 +39,7 @@ impl Default for BoardViews {
     fn default() -> Self {
         Self {
             board: Board::default(),
-            count: 24,
+            count: 40,
             distance: [0.75, 1.2],
             tilt_deg: 40.0,
             turn_deg: 25.0,
