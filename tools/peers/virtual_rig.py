@@ -81,6 +81,8 @@ def in_paint(ctx, seed, name, reflectance):
     words = [rig, "scenario", "--scenario", "clean", "--seed", seed, "--count", 5, "--quiet"]
     scenario = json.loads(subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout)
     scenario["data"]["paint"]["dot_color"] = [reflectance] * 3
+    # The centroid is that of the paint's area; in a shadow that crosses a dot, its brightness has another.
+    scenario["data"]["light"]["shadows"] = False
     path = ctx.tmp / f"{name}-{seed}.json"
     path.write_text(json.dumps(scenario))
     folder = ctx.tmp / f"{name}-{seed}"

@@ -302,3 +302,16 @@ fn threads_do_not_change_a_bit() {
     assert_eq!(one, run(2));
     assert_eq!(one, run(5));
 }
+
+#[test]
+fn without_shadows_a_ball_in_a_bowl_is_lit_alike_everywhere() {
+    let shape =
+        joined(&[sphere(12, 4.0), square(Point3::new(0.0, 0.0, -5.0), Vector3::x(), Vector3::y(), 20.0, 8)]);
+    let normals = mesh::vertex_normals(&shape.0, &shape.1);
+    let range = |ambient: &Ambient| {
+        let light = light(&shape, &normals, ambient);
+        light.iter().fold([f32::MAX, f32::MIN], |[low, high], &x| [low.min(x), high.max(x)])
+    };
+    assert_eq!(range(&Ambient { shadows: false, gradient: [0.1, 0.0, 0.0], ..sky(64) }), [1.0, 1.0]);
+    assert!(range(&sky(64))[0] < 0.6);
+}

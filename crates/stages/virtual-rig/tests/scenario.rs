@@ -24,7 +24,7 @@ fn frozen() -> Value {
 const HASHES: [(&str, &str); 3] = [
     ("clean", "2010cb9190d5c8bb0adfc60d04badcce412585641c33bad5046b6f9e634f4adf"),
     ("standard", "a370314d247ab5fd73aeb65c940108a3d5a0605c07be1bb9360be92a2ee2244d"),
-    ("hard", "f92d4ca42371aad181566add07995ff5b0eaaa5467f7414d7c2da22daff4fe9f"),
+    ("hard", "b6e4cd8c7181e5a1e9c0c315380ab1551eb19ec90aa5a0da478df33b8ef3139a"),
 ];
 
 #[test]
@@ -90,7 +90,17 @@ fn the_frozen_file_follows_the_schema_and_is_read_for_ever() {
     let read: Scenario = read_document(&in_repository("fixtures/schema/scenario-1/scenario.json")).unwrap();
     // As text: colours are single precision, and a value would widen them.
     let written: Value = serde_json::from_str(&serde_json::to_string(&read).unwrap()).unwrap();
-    assert_eq!(written, value["data"]);
+    assert!(holds(&written, &value["data"]), "{written}");
+}
+
+/// Whether a value says all that another one says; parameters that came later may stand beside it.
+fn holds(now: &Value, then: &Value) -> bool {
+    match (now, then) {
+        (Value::Object(now), Value::Object(then)) => {
+            then.iter().all(|(key, then)| now.get(key).is_some_and(|now| holds(now, then)))
+        }
+        _ => now == then,
+    }
 }
 
 #[test]

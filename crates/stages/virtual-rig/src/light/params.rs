@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ambient {
+    /// Whether the surface stands in its own light. Without shadows all of it is lit alike: what a tracker then still gets
+    /// wrong is not due to shading.
+    pub shadows: bool,
     /// Rays over the hemisphere of a point that is looked at closely: in and around painted wrinkles. The error of the
     /// irradiance at a groove's bottom stands in [`super::groove`].
     pub rays: u32,
@@ -41,6 +44,7 @@ pub struct Interreflection {
 impl Default for Ambient {
     fn default() -> Self {
         Self {
+            shadows: true,
             rays: 512,
             cheap_rays: 64,
             gradient: [0.0; 3],

@@ -70,7 +70,7 @@ impl Plan {
 /// [`Ambient::crease_deg`] it lies on a crease and has no normal: its light is the mean over its sides (weighted by their
 /// angle), each with its own normal, which is what the light on each side tends to towards a symmetric crease. The smooth
 /// normal would look straight out of a valley and see far more sky than either wall. Other vertices get
-/// [`Ambient::cheap_rays`] and are smoothed, or are baked.
+/// [`Ambient::cheap_rays`] and are smoothed, or are baked. Without [`Ambient::shadows`] the light is 1 everywhere.
 #[must_use]
 pub fn shade(
     scene: &Scene,
@@ -79,6 +79,9 @@ pub fn shade(
     albedo: &[[f32; 3]],
     ambient: &Ambient,
 ) -> Vec<[f32; 3]> {
+    if !ambient.shadows {
+        return vec![[1.0; 3]; surface.positions.len()];
+    }
     let places = Places::new(scene, surface, plan, ambient);
     let direct = places.light(plan, ambient, |receivers, rays| {
         let light = under_sky(scene, receivers, ambient, rays);

@@ -33,7 +33,7 @@ const MIDDLE: Point3<f64> = Point3::new(0.0, 10.0, -25.0);
 /// Distance of the skin from there, mm.
 const SKIN: f64 = 92.0;
 /// How far around the face they wander, rad.
-const REACH: [f64; 2] = [0.9, 0.75];
+const REACH: [f64; 2] = [0.7, 0.6];
 
 impl Hands {
     /// Whether such hands can be.
