@@ -57,6 +57,7 @@ impl Thing {
             moment: Moment {
                 open: &self.open,
                 close: self.close.as_deref(),
+                middle: None,
                 normals: &self.normals,
                 irradiance: &self.irradiance,
             },
@@ -166,7 +167,7 @@ fn paint_in(exposure: &Exposure, layer: u32) -> (Vector2<f64>, f64) {
 /// Errors of the dots that a camera sees well: distances in px; and the painted area over the true one.
 fn errors(camera: &Camera, thing: &Thing, layers: &Layers) -> (Vec<f64>, [f64; 2]) {
     let exposure = shot(camera, thing, layers, &[]);
-    let middle = thing.solid().moment.at(0.5);
+    let middle = thing.solid().moment.mean();
     let (mut off, mut areas) = (Vec::new(), [0.0; 2]);
     for (dot, samples) in layers.dot_samples().iter().enumerate() {
         let view = samples.view(&middle, camera, |_, _| true);

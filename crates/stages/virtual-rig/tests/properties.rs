@@ -169,3 +169,58 @@ fn the_board_fits_into_every_cameras_view() {
         assert!(least >= views.count / 4, "a camera sees {least} of {}", views.count);
     }
 }
+
+/// Speed, and its change within an exposure, move a blurred dot as much as they move the truth of its centre.
+#[test]
+fn the_truth_of_a_blurred_dot_is_where_its_blur_is() {
+    let studio = studio(|scenario| {
+        scenario.image_scale = 0.5;
+        let smile = r#"[{"action": "smile", "start_s": 0.0, "rise_s": 0.08, "fall_s": 0.08}]"#;
+        let events = serde_json::from_str(smile).unwrap();
+        scenario.performance = Performance::Events(Timeline { events, seed: 1 });
+        scenario.faults.push(fault("motion-blur=14@m3"));
+    });
+    let station = &studio.stations()["m3"];
+    let layers = studio.layers();
+    let (mut squares, mut fastest) = (Vec::new(), 0.0f64);
+    for time_s in [0.012, 0.04, 0.072] {
+        let set = studio.set(time_s, station.exposure_s, false);
+        let exposure = studio.expose(&set, station).unwrap();
+        let truth = studio.truth_of(&set, station, &exposure);
+        let width = exposure.size[0];
+        for (dot, sample) in truth.tracks.iter().take(layers.dots().len()).enumerate() {
+            let Some(sample) = sample.filter(|s| s.state == TrackState::Seen && s.confidence > 0.999) else {
+                continue;
+            };
+            let (mut sum, mut share) = (Vector2::zeros(), 0.0);
+            for cover in exposure.covers.iter().filter(|cover| cover.layer == layers.layer_of_dot(dot)) {
+                let pixel = Vector2::new(f64::from(cover.pixel % width), f64::from(cover.pixel / width));
+                let at = pixel + Vector2::from(cover.offset_px.map(f64::from));
+                sum += f64::from(cover.share) * at;
+                share += f64::from(cover.share);
+            }
+            squares.push((sum / share - sample.at.coords).norm_squared());
+        }
+        let before = studio.markers_in_world(&studio.set(time_s - 0.007, 0.0, false));
+        let after = studio.markers_in_world(&studio.set(time_s + 0.007, 0.0, false));
+        fastest = before.iter().zip(&after).map(|(p, q)| (q - p).norm()).fold(fastest, f64::max);
+    }
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    assert!(fastest > 1.0, "the dots should move: {fastest} mm");
+    assert!(squares.len() > 60 && rms < 0.02, "{} dots, rms {rms} px", squares.len());
+}
+
+/// Normals are of unit length wherever there are any, and nothing of the background is in them.
+#[test]
+fn pictures_of_normals_hold_unit_normals_only() {
+    let studio = studio(|_| {});
+    let station = &studio.stations()["w1"];
+    let normals = studio.normals_of(&studio.set(0.0, 0.0, false), station).unwrap();
+    let lengths: Vec<f64> = normals
+        .chunks(3)
+        .filter(|code| **code != [0; 3])
+        .map(|code| code.iter().map(|c| (2.0 * f64::from(*c) / 65535.0 - 1.0).powi(2)).sum::<f64>().sqrt())
+        .collect();
+    assert!(lengths.len() > normals.len() / 20, "{} of {} pixels", lengths.len(), normals.len() / 3);
+    assert!(lengths.iter().all(|length| (length - 1.0).abs() < 1e-4));
+}

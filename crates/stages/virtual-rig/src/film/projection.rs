@@ -2,7 +2,7 @@
 
 use super::lanes::{LANES, Lanes};
 use super::pattern::times;
-use super::scene::{Scene, Solid};
+use super::scene::{self, Scene, Solid};
 use camera::{BrownConrady, Camera};
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 use pulp::{Arch, NullaryFnOnce};
@@ -104,16 +104,35 @@ impl<'a> Eye<'a> {
         all.resize(first + open.len(), nowhere);
         let arch = Arch::new();
         let parts = all[first..].par_chunks_mut(RUN).zip(open.par_chunks(RUN).zip(close.par_chunks(RUN)));
-        parts.for_each(|(corners, (open, close))| arch.dispatch(Seen { eye: self, open, close, corners }));
+        match solid.moment.middle {
+            None => parts.for_each(|(corners, (open, close))| {
+                arch.dispatch(Seen { eye: self, open, middle: None, close, corners });
+            }),
+            Some(middle) => {
+                parts.zip(middle.par_chunks(RUN)).for_each(|((corners, (open, close)), middle)| {
+                    arch.dispatch(Seen { eye: self, open, middle: Some(middle), close, corners });
+                })
+            }
+        }
     }
 
-    /// A vertex at the four times; [`Eye::see`] side by side, with the same bits.
+    /// A vertex at the four times, given its keys and their weights per time; [`Eye::see`] side by side.
     #[inline(always)]
-    fn corner(&self, from: &Point3<f64>, to: &Point3<f64>) -> Corner {
-        let way = to - from;
-        let times = times();
+    fn corner<const KEYS: usize>(
+        &self,
+        keys: [&Point3<f64>; KEYS],
+        weights: &[[f64; LANES]; KEYS],
+    ) -> Corner {
         let row = |row: usize| -> [f64; LANES] {
-            let [x, y, z] = [0, 1, 2].map(|axis| each(|t| from[axis] + way[axis] * times[t]));
+            let [x, y, z] = [0, 1, 2].map(|axis| {
+                each(|t| {
+                    let mut place = 0.0;
+                    for key in 0..KEYS {
+                        place += keys[key][axis] * weights[key][t];
+                    }
+                    place
+                })
+            });
             let r = |column: usize| self.rotation[(row, column)];
             each(|t| r(0) * x[t] + r(1) * y[t] + r(2) * z[t] + self.shift[row])
         };
@@ -146,6 +165,7 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; LANES] {
 struct Seen<'a> {
     eye: &'a Eye<'a>,
     open: &'a [Point3<f64>],
+    middle: Option<&'a [Point3<f64>]>,
     close: &'a [Point3<f64>],
     corners: &'a mut [Corner],
 }
@@ -155,8 +175,20 @@ impl NullaryFnOnce for Seen<'_> {
 
     #[inline(always)]
     fn call(self) {
-        for ((corner, from), to) in self.corners.iter_mut().zip(self.open).zip(self.close) {
-            *corner = self.eye.corner(from, to);
+        let times = times();
+        let ends = self.corners.iter_mut().zip(self.open).zip(self.close);
+        match self.middle {
+            None => {
+                let weights = [times.map(|time| 1.0 - time), times];
+                ends.for_each(|((corner, from), to)| *corner = self.eye.corner([from, to], &weights));
+            }
+            Some(middle) => {
+                let of_time = times.map(scene::weights);
+                let weights = [0, 1, 2].map(|key| of_time.map(|weights| weights[key]));
+                ends.zip(middle).for_each(|(((corner, from), to), halfway)| {
+                    *corner = self.eye.corner([from, halfway, to], &weights);
+                });
+            }
         }
     }
 }

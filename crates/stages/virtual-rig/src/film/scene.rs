@@ -1,7 +1,9 @@
 //! What stands before the camera.
 
+use super::pattern::times;
 use crate::paint::Layers;
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 
 /// A surface's shape-independent part.
 #[derive(Debug, Clone, Copy)]
@@ -17,8 +19,10 @@ pub struct Skin<'a> {
 pub struct Moment<'a> {
     /// #V × 3 when the shutter opens, world, mm.
     pub open: &'a [Point3<f64>],
-    /// #V × 3 when it closes; in between, vertices run straight. None for a still.
+    /// #V × 3 when it closes. None for a still.
     pub close: Option<&'a [Point3<f64>]>,
+    /// #V × 3 halfway: vertices run along the parabola through the three, evenly in its parameter. None: they run straight.
+    pub middle: Option<&'a [Point3<f64>]>,
     /// #V × 3, unit normals; only gloss asks for them, and an empty list has none.
     pub normals: &'a [Vector3<f64>],
     /// #V × 3, light that arrives, linear RGB: 1 = full unshadowed ambient.
@@ -26,14 +30,30 @@ pub struct Moment<'a> {
 }
 
 impl Moment<'_> {
-    /// The vertices at a share of the exposure, 0 (open) to 1 (close); 0.5 is the moment that truth is stated for.
+    /// The vertices' mean places over the samples of the exposure: what the centroid of a blurred dot is that of.
     #[must_use]
-    pub fn at(&self, share: f64) -> Vec<Point3<f64>> {
-        match self.close {
-            None => self.open.to_vec(),
-            Some(close) => self.open.iter().zip(close).map(|(from, to)| from + share * (to - from)).collect(),
+    pub fn mean(&self) -> Vec<Point3<f64>> {
+        let Some(close) = self.close else { return self.open.to_vec() };
+        let weights = times().map(weights);
+        let [open, middle, last] =
+            [0, 1, 2].map(|key| weights.iter().map(|weight| weight[key]).sum::<f64>() / weights.len() as f64);
+        let ends = self.open.par_iter().zip(close).with_min_len(4096);
+        match self.middle {
+            None => ends.map(|(from, to)| nalgebra::center(from, to)).collect(),
+            Some(halfway) => ends
+                .zip(halfway)
+                .map(|((from, to), at)| {
+                    Point3::from(from.coords * open + at.coords * middle + to.coords * last)
+                })
+                .collect(),
         }
     }
+}
+
+/// Weights of the places at opening, halfway and at closing in the parabola through them, at a share of the exposure.
+pub(super) fn weights(time: f64) -> [f64; 3] {
+    let from_middle = time - 0.5;
+    [2.0 * from_middle * (time - 1.0), 4.0 * time * (1.0 - time), 2.0 * time * from_middle]
 }
 
 /// Something that hides what is behind it.
@@ -73,7 +93,9 @@ impl<'a> Scene<'a> {
             let count = solid.moment.open.len();
             assert_eq!(solid.skin.albedo.len(), count, "one albedo per vertex");
             assert_eq!(solid.moment.irradiance.len(), count, "one irradiance per vertex");
-            assert!(solid.moment.close.is_none_or(|close| close.len() == count), "one place per vertex");
+            for places in [solid.moment.close, solid.moment.middle].into_iter().flatten() {
+                assert_eq!(places.len(), count, "one place per vertex");
+            }
             let normals = solid.moment.normals.len();
             assert!(normals == 0 || normals == count, "one normal per vertex, or none");
         }

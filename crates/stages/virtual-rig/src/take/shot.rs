@@ -17,6 +17,8 @@ pub struct Set {
     pub skin_in_world: Vec<Point3<f64>>,
     /// Normals of the skin in the world.
     pub normals: Vec<Vector3<f64>>,
+    /// The skin in the world, averaged over the exposure: where blurred paint seems to be.
+    pub mean_skin: Vec<Point3<f64>>,
     open: Vec<Point3<f64>>,
     close: Option<Vec<Point3<f64>>>,
     props: Vec<Piece>,
@@ -37,6 +39,8 @@ struct Piece {
 const FINGER: [f32; 3] = [0.42, 0.27, 0.20];
 /// Light on props: they stand in the shadow of brows and lips, which is not traced.
 const PROP_LIGHT: f32 = 0.75;
+/// A pixel shows skin only from this cover on; backs of surfaces, and what is not skin, are dark.
+const WHOLE: f32 = 1.0 - 1e-4;
 /// The gain rises and falls once in so many seconds.
 const GAIN_PERIOD_S: f64 = 4.0;
 
@@ -66,7 +70,10 @@ impl Studio {
             light::shade(&scene, &surface, &self.plan, &self.body.albedo, &self.scenario.light)
         });
         let props = self.props(time_s, exposure_s);
-        Set { pose, skin_in_world, normals, open, close, props, close_light }
+        let middle = close.is_some().then_some(&skin_in_world[..]);
+        let mean_skin =
+            Moment { open: &open, close: close.as_deref(), middle, normals: &[], irradiance: &[] }.mean();
+        Set { pose, skin_in_world, normals, mean_skin, open, close, props, close_light }
     }
 
     /// Exposes an image of a set: linear light, before lens blur and noise.
@@ -81,6 +88,7 @@ impl Studio {
             moment: Moment {
                 open: &set.open,
                 close: set.close.as_deref(),
+                middle: set.close.is_some().then_some(&set.skin_in_world[..]),
                 normals: &set.normals,
                 irradiance,
             },
@@ -116,8 +124,23 @@ impl Studio {
         Ok(image)
     }
 
-    /// Normals of the skin as a camera sees them: 16 bits per channel, n = 2c − 1 in camera space (x right, y down, z away);
-    /// black where there is no skin.
+    /// What a sensor without faults makes of a picture that is taken before the take: no flash, no drift of the gain, no
+    /// mirror. `shot` is one of a kind per camera.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if the sensor's parameters make no sense.
+    pub fn develop_before(
+        &self,
+        exposure: &Exposure,
+        station: &Station,
+        shot: i64,
+    ) -> Result<Vec<u8>, Error> {
+        let grain = Grain { seed: self.scenario.seed, camera: station.number, frame: shot };
+        film::develop(exposure, &self.scenario.sensor, grain)
+    }
+
+    /// Normals of the skin as a camera sees them: 16 bits per channel, n = 2c − 1 in camera space (x right, y down, z away),
+    /// of unit length; black where a pixel does not show skin only.
     ///
     /// # Errors
     /// [`Error::Parameter`] if the film's parameters make no sense.
@@ -127,23 +150,38 @@ impl Studio {
             (rotation * normal).map(|x| 0.5 * (x as f32 + 1.0)).into()
         };
         let codes: Vec<[f32; 3]> = set.normals.iter().map(code).collect();
-        let light = vec![[1.0; 3]; codes.len()];
+        let mean = self.unlit(set, station, &codes)?;
+        let cover = self.unlit(set, station, &vec![[1.0; 3]; codes.len()])?;
+        let mut normals: Vec<u16> = mean
+            .iter()
+            .zip(&cover)
+            .flat_map(|(mean, [cover, ..])| {
+                let normal = Vector3::from(*mean).map(|c| 2.0 * f64::from(c) - 1.0);
+                match *cover >= WHOLE {
+                    true => normal.normalize().map(|x| (65535.0 * 0.5 * (x + 1.0)).round() as u16).into(),
+                    false => [0; 3],
+                }
+            })
+            .collect();
+        if station.mirrored {
+            mirror(&mut normals, station.camera.image_size[0] as usize);
+        }
+        Ok(normals)
+    }
+
+    /// The mean colour of the skin in each pixel, as if the skin glowed in the colours of its vertices and all else were black.
+    fn unlit(&self, set: &Set, station: &Station, colors: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
+        let light = vec![[1.0; 3]; colors.len()];
         let face = Solid {
-            skin: Skin { triangles: &self.body.triangles, albedo: &codes },
+            skin: Skin { triangles: &self.body.triangles, albedo: colors },
             moment: still(&set.skin_in_world, &light),
         };
         let dark: Vec<Vec<[f32; 3]>> =
             set.props.iter().map(|piece| vec![[0.0; 3]; piece.light.len()]).collect();
         let props: Vec<Solid> = set.props.iter().zip(&dark).map(|(piece, dark)| piece.lit_by(dark)).collect();
         let film = film::Film { background: [0.0; 3], gloss: None, ..self.scenario.film.clone() };
-        let picture =
-            film::expose(&station.camera, &Scene { face, layers: &self.bare, props: &props }, &film)?;
-        let value = |x: f32| (65535.0 * x.clamp(0.0, 1.0)).round() as u16;
-        let mut codes: Vec<u16> = picture.radiance.iter().flatten().map(|x| value(*x)).collect();
-        if station.mirrored {
-            mirror(&mut codes, picture.size[0] as usize);
-        }
-        Ok(codes)
+        let scene = Scene { face, layers: &self.bare, props: &props };
+        Ok(film::expose(&station.camera, &scene, &film)?.radiance)
     }
 
     fn props(&self, time_s: f64, exposure_s: f64) -> Vec<Piece> {
@@ -200,6 +238,7 @@ impl Piece {
             moment: Moment {
                 open: &self.open,
                 close: self.close.as_deref(),
+                middle: None,
                 normals: &[],
                 irradiance: &self.light,
             },
@@ -208,7 +247,7 @@ impl Piece {
 }
 
 fn still<'a>(open: &'a [Point3<f64>], irradiance: &'a [[f32; 3]]) -> Moment<'a> {
-    Moment { open, close: None, normals: &[], irradiance }
+    Moment { open, close: None, middle: None, normals: &[], irradiance }
 }
 
 /// Turns an image of three values a pixel left to right.

@@ -45,7 +45,7 @@ impl Studio {
             .dot_samples()
             .iter()
             .map(|dot| {
-                let view = dot.view(&set.skin_in_world, camera, &sees);
+                let view = dot.view(&set.mean_skin, camera, &sees);
                 let seen = view.angle_rad < MOST_OBLIQUE && view.share_seen >= LEAST_SEEN;
                 Some(sample(view.centroid_px?, view.share_seen, seen))
             })

@@ -13,7 +13,7 @@ use virtual_rig::calibration::{
 use virtual_rig::film::Exposure;
 use virtual_rig::take::Studio;
 
-/// Films boards and wand with the cameras as they were when they were calibrated.
+/// Films boards and wand with the cameras as they were when they were calibrated: what is wrong in the take went wrong later.
 pub(super) fn film(run: &mut Run, studio: &Studio, out: &Path) -> anyhow::Result<()> {
     let params = &studio.scenario().calibration;
     let cameras: Vec<(&String, &Camera)> =
@@ -41,7 +41,7 @@ fn boards(
     for (number, pose) in poses.iter().enumerate() {
         let picture = |lens: &BoardCamera| lens.render(&views.board, pose, &views.light, views.samples);
         let pictures: Vec<Picture> = lenses.par_iter().map(picture).collect();
-        write(studio, cameras, pictures, out, "board", number)?;
+        write(studio, cameras, pictures, out, ("board", number), number as i64)?;
         let corners = cameras.iter().map(|(id, camera)| {
             let seen = corners_in_image(camera, &views.board, pose);
             let places: Vec<_> = seen
@@ -80,7 +80,8 @@ fn wand(
     for (number, point) in path.iter().enumerate() {
         let picture = |camera: &Camera| render_led(camera, point, wand.radius_mm, wand.radiance, wand.room);
         let pictures: Vec<Picture> = all.par_iter().map(picture).collect();
-        write(studio, cameras, pictures, out, "wand", number)?;
+        let shot = (studio.scenario().calibration.boards.count + number) as i64;
+        write(studio, cameras, pictures, out, ("wand", number), shot)?;
         truth.push(json!({ "frame": number, "point_mm": [point.x, point.y, point.z] }));
         step();
     }
@@ -96,14 +97,14 @@ fn write(
     cameras: &[(&String, &Camera)],
     pictures: Vec<Picture>,
     out: &Path,
-    kind: &str,
-    number: usize,
+    (kind, number): (&str, usize),
+    shot: i64,
 ) -> anyhow::Result<()> {
     let develop = |((id, _), picture): (&(&String, &Camera), Picture)| {
         let station = &studio.stations()[*id];
         let exposure = Exposure::of_radiance(picture.size, picture.radiance);
         // Other grain than the take's: frames before it.
-        studio.develop(&exposure, station, -1 - number as i64, 0.0)
+        studio.develop_before(&exposure, station, -1 - shot)
     };
     let images: Vec<Vec<u8>> = cameras.par_iter().zip(pictures).map(develop).collect::<Result<_, _>>()?;
     for ((id, camera), image) in cameras.iter().zip(images) {
