@@ -224,3 +224,33 @@ fn pictures_of_normals_hold_unit_normals_only() {
     assert!(lengths.len() > normals.len() / 20, "{} of {} pixels", lengths.len(), normals.len() / 3);
     assert!(lengths.iter().all(|length| (length - 1.0).abs() < 1e-4));
 }
+
+/// Hands hide about a fifth of what the mocap cameras of `standard` see, once they have come.
+#[test]
+fn hands_hide_a_fifth_of_the_markers_in_hard() {
+    let (mut seen, mut hidden) = (0.0, 0.0);
+    for seed in 1..4 {
+        let studio_with = |count: Option<usize>| {
+            studio(|scenario| {
+                scenario.hands = preset("hard").unwrap().hands;
+                scenario.hands.count = count.unwrap_or(scenario.hands.count);
+                scenario.seed = seed;
+            })
+        };
+        let (free, hard) = (studio_with(Some(0)), studio_with(None));
+        for time_s in [0.3, 0.9, 1.7, 2.3] {
+            for id in ["m1", "m3", "m6"] {
+                let is_seen = |studio: &Studio| -> Vec<bool> {
+                    let truth = image(studio, id, time_s).1;
+                    truth.tracks.iter().map(|s| s.is_some_and(|s| s.state == TrackState::Seen)).collect()
+                };
+                for (free, hard) in is_seen(&free).into_iter().zip(is_seen(&hard)) {
+                    seen += f64::from(free);
+                    hidden += f64::from(free && !hard);
+                }
+            }
+        }
+    }
+    let share = hidden / seen;
+    assert!((0.15..0.25).contains(&share), "{share} of {seen}");
+}

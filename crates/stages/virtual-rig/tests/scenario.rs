@@ -24,7 +24,7 @@ fn frozen() -> Value {
 const HASHES: [(&str, &str); 3] = [
     ("clean", "2010cb9190d5c8bb0adfc60d04badcce412585641c33bad5046b6f9e634f4adf"),
     ("standard", "a370314d247ab5fd73aeb65c940108a3d5a0605c07be1bb9360be92a2ee2244d"),
-    ("hard", "b6e4cd8c7181e5a1e9c0c315380ab1551eb19ec90aa5a0da478df33b8ef3139a"),
+    ("hard", "7aaf32f80f8784be4a5087c1a483ce59996d7a91c899656935144a737527c3ce"),
 ];
 
 #[test]
