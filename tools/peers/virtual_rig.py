@@ -197,6 +197,8 @@ KINDS = {
     "masks": "paint",
     "normals": "normals",
 }
+# The truth fills no sample; and no sequence without wrinkles is given beside it.
+UNMEASURED = {"triangulate/filled_rms_mm", "stabilize/filled_rms_mm", "shell-synth/outside_moved"}
 ROUNDING = 1e-9  # a curve is a spline, whose points come back to rounding only
 
 
@@ -208,6 +210,7 @@ def truth_errors(ctx, folder):
         off = []
         for row in rows.values():
             if row["value"] is None:
+                off.append(0.0 if row["metric"] in UNMEASURED else math.inf)
                 continue
             off.append(abs(row["value"] - 1.0) if row["unit"] == "share" and row["better"] == "higher" else abs(row["value"]))
         worst = max(off)
@@ -286,9 +289,9 @@ def score(ctx):
     yield metric("groove_intensity_rel", max(off.values()), 0.01, "lower", "share", rays=8192, by_ratio=off, with_512_rays=fewer)
 
     arcs = {seed: arc_lengths(ctx, seed) for seed in seeds}
-    worst = {seed: float(np.median(np.abs(rows[:, 0]))) for seed, rows in arcs.items() if len(rows)}
-    yield metric("arc_length_rel", max(worst.values()) if worst else None, 0.01, "lower", "share", by_seed=worst,
-                 p90={seed: float(np.quantile(np.abs(rows[:, 0]), 0.9)) for seed, rows in arcs.items() if len(rows)},
+    worst = {seed: float(np.quantile(np.abs(rows[:, 0]), 0.9)) if len(rows) else math.inf for seed, rows in arcs.items()}
+    yield metric("arc_length_rel", max(worst.values()), 0.01, "lower", "share", p90_by_seed=worst,
+                 median={seed: float(np.median(np.abs(rows[:, 0]))) for seed, rows in arcs.items() if len(rows)},
                  without_wrinkles={seed: float(np.median(np.abs(rows[:, 1]))) for seed, rows in arcs.items() if len(rows)},
                  sections={seed: len(rows) for seed, rows in arcs.items()})
 
