@@ -96,7 +96,8 @@ pub use sync::{Shown, SyncCamera, SyncFrame, SyncHeader, SyncSource, TimeBase};
 pub use take::{Axis, Clock, Consent, Footage, Take, TakeCamera, TakeRef};
 pub use tracks_2d::{Sample2d, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
 pub use trajectories::{
-    HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
+    Accuracy, HeadTrajectories, MarkerFrame, MarkerHeader, MeasuredFrame, MeasuredTrajectories, SampleStatus,
+    Trajectories, Trajectories3d,
 };
 pub use valleys::{Space, ValleyPoint, Valleys, ValleysFrame, ValleysHeader};
 pub use vertices::{VertexMapping, VertexPath, VertexSet};

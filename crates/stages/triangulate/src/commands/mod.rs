@@ -1,0 +1,7 @@
+//! The binary's parts: arguments, the run that ties them together, the table, the picture.
+
+mod arguments;
+mod run;
+
+pub(crate) use arguments::Arguments;
+pub(crate) use run::run;
