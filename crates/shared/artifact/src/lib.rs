@@ -81,6 +81,7 @@ pub use image_pattern::{image_numbers, image_path};
 pub use labels::Labels;
 pub use large_scale::{LargeScale, SequenceForm};
 pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};
+pub use markers::Extent;
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};

@@ -193,7 +193,8 @@ fn check_accuracy(line: &MarkerLine) -> std::result::Result<(), Violation> {
     }
     for (id, covariance) in &line.covariance_mm2 {
         finite(&place(id), covariance)?;
-        if let Some(variance) = [0, 3, 5].map(|i| covariance[i]).into_iter().find(|&variance| variance < 0.0) {
+        if let Some(variance) = [0, 3, 5].map(|i| covariance[i]).into_iter().find(|&variance| variance < 0.0)
+        {
             return Err(Violation::new(place(id), format!("the variance {variance} mm² is negative")));
         }
     }

@@ -8,7 +8,7 @@ pub(crate) const LEAST_NEIGHBORS: usize = 4;
 pub(crate) const NEIGHBORS: usize = 12;
 /// Resistance of the affine map's linear part, as a share of the neighbours' spread: faces are flat, and across the surface
 /// nothing else holds the map.
-const RIDGE: f64 = 0.05;
+const RIDGE: f64 = 0.01;
 
 /// A neighbour of a place.
 #[derive(Debug, Clone, Copy)]

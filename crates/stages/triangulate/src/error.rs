@@ -44,7 +44,9 @@ pub enum Error {
     #[error("no marker is seen by two cameras in the same frame, so none can be triangulated")]
     NothingSeenTwice,
     /// Markers are seen by two cameras, but nowhere do the rays meet.
-    #[error("in no frame do the rays of any marker meet: {0} samples are seen by two cameras or more, none agrees")]
+    #[error(
+        "in no frame do the rays of any marker meet: {0} samples are seen by two cameras or more, none agrees"
+    )]
     NothingAgrees(usize),
     /// The tracks hold no frames.
     #[error("holds no frames")]
@@ -84,11 +86,15 @@ impl Error {
 
     fn fix(&self) -> Option<&'static str> {
         Some(match self {
-            Self::UnknownCamera { .. } => "give the calibration of this rig, with the cameras' ids as in the take",
+            Self::UnknownCamera { .. } => {
+                "give the calibration of this rig, with the cameras' ids as in the take"
+            }
             Self::UnsyncedCamera(_) => "give the time base of this take, or leave --sync out",
             Self::TooFewCameras(_) => "track the markers in more cameras",
             Self::OutsideImage { .. } => "calibrate with images of the footage's size",
-            Self::NothingSeenTwice => "check that the cameras' tracks are of one take and use the same marker ids",
+            Self::NothingSeenTwice => {
+                "check that the cameras' tracks are of one take and use the same marker ids"
+            }
             Self::NothingAgrees(_) => {
                 "check that the calibration is of this rig and that the tracks' marker ids mean the same everywhere"
             }

@@ -1,11 +1,18 @@
 //! Samples that two cameras did not see: from one camera and the neighbours, from the neighbours, or over time.
 
-use crate::affine::{LEAST_NEIGHBORS, coefficients, nearest};
+use crate::affine::{Neighbor, coefficients, nearest};
 use crate::solve::Ray;
 use artifact::SampleStatus;
 use nalgebra::{Matrix3, Point3};
 use std::collections::VecDeque;
 use std::sync::Arc;
+
+/// Two estimates of the depth of a surface agree below this, mm.
+const SAME_SURFACE_MM: f64 = 1.0;
+/// Surfaces whose depths vary by more than this share of the distances across the ray are seen at a grazing angle.
+const STEEP: f64 = 0.5;
+/// Squared coefficients that sum to more than this reach out of the neighbours' midst.
+const EXTRAPOLATED: f64 = 0.7;
 
 /// A frame after the filter.
 #[derive(Debug, Clone)]
@@ -116,7 +123,13 @@ impl Filler {
 
     /// On the ray of the one camera that sees it. How far along: where the gap's filling, or the neighbours' motion since it
     /// was last seen, says; else as far as the surface of the neighbours.
-    fn on_ray(&self, frame: &Placed, marker: usize, ray: &Ray, between: Option<Point3<f64>>) -> Option<Place> {
+    fn on_ray(
+        &self,
+        frame: &Placed,
+        marker: usize,
+        ray: &Ray,
+        between: Option<Point3<f64>>,
+    ) -> Option<Place> {
         let carried = || carried(self.last[marker].as_ref()?, frame, marker);
         let depth = match between.or_else(carried) {
             Some(guess) => ray.direction.dot(&(guess - ray.origin)),
@@ -134,20 +147,36 @@ fn carried(known: &Placed, frame: &Placed, marker: usize) -> Option<Point3<f64>>
     let neighbors = nearest(&here, known.shared(frame, marker));
     let steps = neighbors.iter().map(|n| Some(frame.position(n.marker)? - known.position(n.marker)?));
     let steps: Vec<_> = steps.collect::<Option<_>>()?;
-    Some(here + steps.iter().zip(coefficients(&neighbors)?).map(|(step, c)| step * c).sum::<nalgebra::Vector3<_>>())
+    Some(
+        here + steps
+            .iter()
+            .zip(coefficients(&neighbors)?)
+            .map(|(step, c)| step * c)
+            .sum::<nalgebra::Vector3<_>>(),
+    )
 }
 
-/// How far along a ray the surface lies that its nearest markers make: an affine fit of their depths.
+/// How far along a ray the surface lies that its nearest markers make: an affine fit of their depths. None where the
+/// ray grazes the surface, and where all neighbours and the nearer half of them say different things: the surface is then too
+/// curved, or the ray passes beside it.
 fn surface_depth(frame: &Placed, marker: usize, ray: &Ray) -> Option<f64> {
     let depth = |place: &Point3<f64>| ray.direction.dot(&(place - ray.origin));
     // As seen along the ray: depths taken away.
     let flat = |place: Point3<f64>| place - ray.direction.into_inner() * depth(&place);
     let others = frame.shared(frame, marker).map(|(other, place)| (other, flat(place)));
     let neighbors = nearest(&ray.origin, others);
-    if neighbors.len() < LEAST_NEIGHBORS {
-        return None;
-    }
     let depths = neighbors.iter().map(|n| frame.position(n.marker).map(|place| depth(&place)));
     let depths: Vec<f64> = depths.collect::<Option<_>>()?;
-    Some(depths.iter().zip(coefficients(&neighbors)?).map(|(depth, c)| depth * c).sum())
+    let lateral = neighbors.iter().map(|neighbor| neighbor.arm.norm()).sum::<f64>();
+    let middle = depths.iter().sum::<f64>() / depths.len().max(1) as f64;
+    if depths.iter().map(|depth| (depth - middle).abs()).sum::<f64>() > STEEP * lateral {
+        return None;
+    }
+    let fitted = |neighbors: &[Neighbor]| -> Option<f64> {
+        let c = coefficients(neighbors)?;
+        let is_inside = c.iter().map(|c| c * c).sum::<f64>() < EXTRAPOLATED;
+        is_inside.then(|| depths.iter().zip(&c).map(|(depth, c)| depth * c).sum())
+    };
+    let (near, far) = (fitted(&neighbors[..neighbors.len().div_ceil(2)])?, fitted(&neighbors)?);
+    ((near - far).abs() < SAME_SURFACE_MM).then_some(near)
 }

@@ -42,7 +42,10 @@ pub(crate) fn smooth(window: &[&Solved], center: usize, marker: usize, sigma: f6
     }
     let noise = common.noise_share();
     let shift = match noise {
-        Some(share) => average(&shared, &(information / share), sigma) + average(&own_path, &(information / (1.0 + share)), sigma),
+        Some(share) => {
+            average(&shared, &(information / share), sigma)
+                + average(&own_path, &(information / (1.0 + share)), sigma)
+        }
         None => average(&own_path, &information, sigma),
     };
     Some(fix.position + shift)

@@ -1,18 +1,18 @@
 //! How far off tracks are, from the tracks themselves.
 
+use crate::Params;
 use crate::point::{Fix, Scale};
 use crate::solve::{Rig, Solved};
-use crate::Params;
 use artifact::Tracks2dFrame;
 
 /// Frames that the noise is measured in.
 pub(crate) const FRAMES: usize = 100;
 /// What residuals mean before anything is known, px: wide, so that only gross errors are left out.
-const UNKNOWN: Scale = Scale { noise: 0.25, outlier: 4.0 };
+const UNKNOWN: Scale = Scale { noise: 0.25, spread: 0.25, outlier: 4.0 };
 /// Outliers are so many standard deviations off …
 const OUTLIER: f64 = 6.0;
 /// … and at least this, px.
-const LEAST_OUTLIER_PX: f64 = 0.3;
+const LEAST_OUTLIER_PX: f64 = 0.75;
 /// Least noise, px: below it, perfect tracks would make every rounding an event.
 const LEAST_NOISE_PX: f64 = 0.01;
 /// Median of a sum of two squared standard normal numbers.
@@ -23,19 +23,20 @@ const MEDIAN_CHI2_2: f64 = 1.386_294_361;
 /// whole size, calibration's error included.
 pub(crate) fn measure(rig: &Rig, frames: &[Tracks2dFrame], marker_count: usize, params: &Params) -> Scale {
     if let (Some(noise), Some(outlier)) = (params.noise_px, params.outlier_px) {
-        return Scale { noise, outlier };
+        return Scale { noise, spread: (outlier / OUTLIER).max(noise), outlier };
     }
     let solved: Vec<Solved> = frames.iter().map(|frame| rig.solve(frame, marker_count, UNKNOWN)).collect();
     let fixes = solved.iter().flat_map(|frame| frame.fixes().map(|(_, fix)| fix));
     let whole = deviation(fixes.flat_map(|fix| squares(fix, None)).collect(), 1.0);
     let pairs = solved.windows(2).filter(|pair| pair[1].frame == pair[0].frame + 1);
-    let changes = pairs.flat_map(|pair| {
-        pair[1].fixes().filter_map(|(marker, fix)| Some((fix, pair[0].fix(marker)?)))
-    });
+    let changes =
+        pairs.flat_map(|pair| pair[1].fixes().filter_map(|(marker, fix)| Some((fix, pair[0].fix(marker)?))));
     let change = deviation(changes.flat_map(|(fix, before)| squares(fix, Some(before))).collect(), 2.0);
     let whole = whole.unwrap_or(UNKNOWN.noise);
+    let noise = params.noise_px.unwrap_or(change.unwrap_or(whole)).max(LEAST_NOISE_PX);
     Scale {
-        noise: params.noise_px.unwrap_or(change.unwrap_or(whole).max(LEAST_NOISE_PX)),
+        noise,
+        spread: whole.max(noise),
         outlier: params.outlier_px.unwrap_or((OUTLIER * whole).max(LEAST_OUTLIER_PX)),
     }
 }

@@ -64,7 +64,8 @@ impl Rest {
     /// The nearest markers at rest with their spatial weights, the marker itself first.
     fn neighbors(&self, marker: usize, rest: &Point3<f64>) -> Vec<(usize, f64)> {
         let known = self.places.iter().enumerate().filter_map(|(other, place)| Some((other, (*place)?)));
-        let mut distances: Vec<(f64, usize)> = known.map(|(other, place)| ((place - rest).norm(), other)).collect();
+        let mut distances: Vec<(f64, usize)> =
+            known.map(|(other, place)| ((place - rest).norm(), other)).collect();
         distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         distances.truncate(NEIGHBORS + 1);
         let width = SPATIAL_SHARE * distances.last().map_or(1.0, |(far, _)| far.max(f64::MIN_POSITIVE));

@@ -4,14 +4,18 @@ use crate::view::View;
 use camera::nearest_to_lines;
 use nalgebra::{Matrix3, Point3, Unit, Vector2, Vector3};
 
-/// Gauss–Newton steps at most; two or three are usual.
-const MAX_STEPS: usize = 12;
-/// A step below this has converged, mm: the next one would be its square over the distance.
-const CONVERGED_MM: f64 = 1e-6;
+/// Gauss–Newton steps at most; two or three are usual, more where Huber's weights change.
+const MAX_STEPS: usize = 20;
+/// A step below this has converged, mm: it is far below any noise, and where all views agree the next one would be its square
+/// over the distance.
+const CONVERGED_MM: f64 = 1e-5;
+/// Where the steps are used up, a last one below this will do, mm.
+const NEARLY_MM: f64 = 1e-2;
 /// Residuals beyond so many standard deviations weigh less [Huber1964].
 const HUBER: f64 = 2.0;
-/// Least weight of a view, so that a confidence of 0 leaves equations that can be solved.
-const LEAST_WEIGHT: f64 = 1e-3;
+/// How far off a point of confidence 0 may be, px; one of confidence c by 1 − c of it. Where a share of a dot is hidden, the
+/// centre of the rest is off by about that share of the dot's width.
+const UNSURE_PX: f64 = 2.5;
 /// Rays that all meet at less than this are parallel, rad (0.1°): depth is then known to centimetres at best.
 const LEAST_ANGLE: f64 = 1.745e-3;
 
@@ -27,9 +31,16 @@ pub(crate) struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    /// A sight; none where the camera's lens folds. A confidence of c says c⁻¹ times the standard deviation.
-    pub(crate) fn new(camera: usize, view: &'a View, pixel: Vector2<f64>, confidence: f64) -> Option<Self> {
-        let weight = (confidence * confidence).max(LEAST_WEIGHT);
+    /// A sight; none where the camera's lens folds.
+    pub(crate) fn new(
+        camera: usize,
+        view: &'a View,
+        pixel: Vector2<f64>,
+        confidence: f64,
+        scale: Scale,
+    ) -> Option<Self> {
+        let doubt = UNSURE_PX * (1.0 - confidence) / scale.spread;
+        let weight = 1.0 / (1.0 + doubt * doubt);
         Some(Self { camera, view, pixel, ray: view.ray(pixel)?, weight })
     }
 
@@ -43,6 +54,8 @@ impl<'a> Sight<'a> {
 pub(crate) struct Scale {
     /// Standard deviation of a sure point, per axis.
     pub(crate) noise: f64,
+    /// Standard deviation of residuals per axis: the noise, and what calibration and curved skin add to it.
+    pub(crate) spread: f64,
     /// A view whose reprojection error is larger is an outlier.
     pub(crate) outlier: f64,
 }
@@ -67,7 +80,8 @@ pub(crate) fn triangulate_point(sights: &[Sight], scale: Scale) -> Option<Fix> {
     let mut fit = refine(&kept, scale);
     while kept.len() > 2 && !fit.as_ref().is_some_and(|fit| fit.worst(&kept) <= scale.outlier) {
         let without = |out: usize| {
-            let rest: Vec<&Sight> = kept.iter().enumerate().filter(|(i, _)| *i != out).map(|(_, s)| *s).collect();
+            let rest: Vec<&Sight> =
+                kept.iter().enumerate().filter(|(i, _)| *i != out).map(|(_, s)| *s).collect();
             let fit = refine(&rest, scale)?;
             Some((fit.worst(&rest), fit, rest))
         };
@@ -112,11 +126,12 @@ fn refine(sights: &[&Sight], scale: Scale) -> Option<Fit> {
     }
     let rays: Vec<_> = sights.iter().map(|sight| sight.ray()).collect();
     let mut position = nearest_to_lines(&rays)?;
-    for _ in 0..MAX_STEPS {
+    for round in 1..=MAX_STEPS {
         let (normal, right, information) = equations(sights, &position, scale)?;
         let step = normal.cholesky()?.solve(&right);
         position += step;
-        if step.norm() < CONVERGED_MM {
+        let enough = if round < MAX_STEPS { CONVERGED_MM } else { NEARLY_MM };
+        if step.norm() < enough {
             let is_before = |sight: &&Sight| sight.ray.dot(&(position - sight.view.eye)) > 0.0;
             return sights.iter().all(is_before).then_some(Fit { position, information });
         }
@@ -143,7 +158,7 @@ fn equations(
         let (pixel, slopes) = sight.view.project(position)?;
         let residual = sight.pixel - pixel;
         let size = residual.norm() * sight.weight.sqrt();
-        let huber = (HUBER * scale.noise / size.max(f64::MIN_POSITIVE)).min(1.0);
+        let huber = (HUBER * scale.spread / size.max(f64::MIN_POSITIVE)).min(1.0);
         let square = sight.weight * slopes.tr_mul(&slopes);
         information += square;
         normal += huber * square;

@@ -223,7 +223,9 @@ impl Report {
         if !idle.is_empty() {
             warnings.push(format!("no point was found with the help of these cameras: {}", idle.join(", ")));
         }
-        for (id, camera) in self.cameras.iter().filter(|(_, camera)| camera.used > 0 && 10 * camera.outliers > camera.used) {
+        for (id, camera) in
+            self.cameras.iter().filter(|(_, camera)| camera.used > 0 && 10 * camera.outliers > camera.used)
+        {
             let share = 100.0 * camera.outliers as f64 / (camera.outliers + camera.used) as f64;
             warnings.push(format!(
                 "camera {id}: {share:.0} % of its views are outliers; its calibration, synchronisation or labels may be off"
@@ -231,7 +233,8 @@ impl Report {
         }
         for swap in &self.swaps {
             let [a, b] = &swap.markers;
-            warnings.push(format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last));
+            warnings
+                .push(format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last));
         }
         warnings
     }

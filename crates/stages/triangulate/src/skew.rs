@@ -53,12 +53,6 @@ impl Aligner {
         Ok(Self { delays, window: VecDeque::new(), next: 0, left_out: 0 })
     }
 
-    /// Largest delay of any camera at a frame, frames.
-    #[allow(dead_code)]
-    pub(crate) fn largest(&self, frame: i64) -> f64 {
-        self.delays.iter().map(|delay| delay.at(frame).abs()).fold(0.0, f64::max)
-    }
-
     /// Takes a frame; returns the one that is now surrounded.
     pub(crate) fn push(&mut self, frame: Tracks2dFrame) -> Option<Tracks2dFrame> {
         if self.delays.is_empty() {
@@ -92,7 +86,8 @@ impl Aligner {
             Some(samples.iter().enumerate().map(align).collect::<Vec<_>>())
         };
         let cameras: Vec<_> = self.window[self.next].cameras.iter().enumerate().map(camera).collect();
-        let count = |cameras: &[Option<Vec<Option<Sample2d>>>]| cameras.iter().flatten().flatten().flatten().count();
+        let count =
+            |cameras: &[Option<Vec<Option<Sample2d>>>]| cameras.iter().flatten().flatten().flatten().count();
         self.left_out += count(&self.window[self.next].cameras) - count(&cameras);
         self.next += 1;
         while self.next > REACH {

@@ -1,8 +1,8 @@
 //! One frame: all markers that two cameras see, and the rays of those that one sees.
 
+use crate::Error;
 use crate::point::{Fix, Scale, Sight, triangulate_point};
 use crate::view::View;
-use crate::Error;
 use artifact::{CameraRig, Sample2d, TrackState, Tracks2dFrame, Tracks2dHeader};
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -78,7 +78,8 @@ impl Rig {
         for (camera, samples) in frame.cameras.iter().enumerate() {
             let seen = samples.iter().flatten().enumerate();
             let mut seen = seen.filter_map(|(marker, sample)| Some((marker, measured(sample.as_ref())?)));
-            let strays = |(_, sample): &(usize, &Sample2d)| !self.views[camera].may_show(sample.at.coords, MARGIN_PX);
+            let strays =
+                |(_, sample): &(usize, &Sample2d)| !self.views[camera].may_show(sample.at.coords, MARGIN_PX);
             if let Some((marker, sample)) = seen.find(strays) {
                 let [width, height] = self.views[camera].image_size;
                 return Err(Error::OutsideImage {
@@ -102,7 +103,7 @@ impl Rig {
             sights.clear();
             sights.extend(frame.cameras.iter().enumerate().filter_map(|(camera, samples)| {
                 let sample = measured(samples.as_ref()?[marker].as_ref())?;
-                Sight::new(camera, &self.views[camera], sample.at.coords, sample.confidence)
+                Sight::new(camera, &self.views[camera], sample.at.coords, sample.confidence, scale)
             }));
             match &sights[..] {
                 [] => Found::Nothing,

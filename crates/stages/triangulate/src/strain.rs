@@ -80,7 +80,9 @@ impl StrainWatch {
     /// Pairs whose exchange explains an implausible strain; no marker twice.
     fn exchanged(&self, now: &[Option<Point3<f64>>]) -> Vec<[usize; 2]> {
         let strained: Vec<usize> = (0..now.len())
-            .filter(|&marker| self.strain(marker, now[marker], now).is_some_and(|strain| strain > IMPLAUSIBLE))
+            .filter(|&marker| {
+                self.strain(marker, now[marker], now).is_some_and(|strain| strain > IMPLAUSIBLE)
+            })
             .collect();
         let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
         for (i, &a) in strained.iter().enumerate() {
@@ -103,7 +105,8 @@ impl StrainWatch {
     fn share_left(&self, a: usize, b: usize, now: &[Option<Point3<f64>>]) -> Option<f64> {
         let mut changed = now.to_vec();
         changed.swap(a, b);
-        let sum = |now: &[Option<Point3<f64>>]| Some(self.strain(a, now[a], now)? + self.strain(b, now[b], now)?);
+        let sum =
+            |now: &[Option<Point3<f64>>]| Some(self.strain(a, now[a], now)? + self.strain(b, now[b], now)?);
         Some(sum(&changed)? / sum(now)?)
     }
 
@@ -114,8 +117,11 @@ impl StrainWatch {
         let others = others.filter_map(|(other, place)| Some((other, now[other].and(*place)?.1)));
         let change = |other: usize, arm: f64| Some(((now[other]? - here).norm() / arm).ln().abs());
         let neighbors = nearest(&before, others);
-        let mut changes: Vec<f64> =
-            neighbors.iter().filter_map(|n| change(n.marker, n.arm.norm())).filter(|c| c.is_finite()).collect();
+        let mut changes: Vec<f64> = neighbors
+            .iter()
+            .filter_map(|n| change(n.marker, n.arm.norm()))
+            .filter(|c| c.is_finite())
+            .collect();
         if changes.len() < 3 {
             return None;
         }

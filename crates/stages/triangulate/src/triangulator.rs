@@ -127,7 +127,7 @@ impl Triangulator {
             (_, seen, 0) => return Err(Error::NothingAgrees(seen)),
             _ => {}
         }
-        let scale = self.scale.unwrap_or(Scale { noise: 0.0, outlier: 0.0 });
+        let scale = self.scale.unwrap_or(Scale { noise: 0.0, spread: 0.0, outlier: 0.0 });
         (report.noise_px, report.outlier_px) = (scale.noise, scale.outlier);
         report.unaligned_views = self.aligner.left_out;
         report.swaps = self.strain.finish(&self.header.markers);
@@ -222,7 +222,8 @@ impl Triangulator {
             Some(Accuracy { covariance_mm2, views })
         };
         let accuracy = frame.places.iter().map(|place| place.as_ref().and_then(accuracy)).collect();
-        let status = frame.places.iter().map(|place| place.as_ref().map_or(SampleStatus::Measured, |p| p.status));
+        let status =
+            frame.places.iter().map(|place| place.as_ref().map_or(SampleStatus::Measured, |p| p.status));
         let status = status.collect();
         let points = frame.places.iter().map(|place| place.as_ref().map(|place| place.position)).collect();
         MeasuredFrame { markers: MarkerFrame { frame: frame.frame, points, status }, accuracy }

@@ -38,7 +38,8 @@ impl View {
         let (inverse, image) = (1.0 / cam.z, cam.xy() / cam.z);
         let to_image = Matrix2x3::new(1.0, 0.0, -image.x, 0.0, 1.0, -image.y) * inverse;
         let to_pixel = Matrix2::from_diagonal(&self.lens.focal_px) * self.lens.distortion.jacobian(image);
-        let pixel = self.lens.focal_px.component_mul(&self.lens.distortion.distort(image)) + self.lens.center_px;
+        let pixel =
+            self.lens.focal_px.component_mul(&self.lens.distortion.distort(image)) + self.lens.center_px;
         Some((pixel, to_pixel * to_image * self.rotation))
     }
 

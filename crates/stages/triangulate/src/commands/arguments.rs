@@ -1,6 +1,8 @@
 //! What the user may say.
 
+use anyhow::bail;
 use clap::{Parser, ValueEnum};
+use stage::Run;
 use std::path::PathBuf;
 use triangulate::{Filter, PIXELS, Params, TIMES_MS};
 
@@ -82,9 +84,28 @@ impl stage::Arguments for Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn outputs(&self) -> Vec<&std::path::Path> {
-        let more = [&self.c3d, &self.trc, &self.picture];
-        std::iter::once(self.out.as_path()).chain(more.into_iter().flatten().map(PathBuf::as_path)).collect()
+    /// Refuses names of outputs that will not do, before the work begins.
+    pub(crate) fn check_outputs(&self, run: &Run) -> anyhow::Result<()> {
+        let wanted =
+            [(&self.c3d, "c3d", "--c3d"), (&self.trc, "trc", "--trc"), (&self.picture, "png", "--picture")];
+        let named =
+            || wanted.iter().filter_map(|(path, ending, option)| Some((path.as_deref()?, *ending, *option)));
+        for (path, ending, option) in named() {
+            if !path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending)) {
+                bail!("{}: does not end in .{ending}\n  to do: give {option} such a name", path.display());
+            }
+        }
+        if artifact::is_standard_stream(&self.out) {
+            if self.c3d.is_some() || self.trc.is_some() {
+                bail!(
+                    "--c3d and --trc are made from the trajectories, which go to standard output\n  to do: name a file with --out"
+                );
+            }
+            return Ok(());
+        }
+        run.check_outputs(
+            &std::iter::once(self.out.as_path()).chain(named().map(|(path, ..)| path)).collect::<Vec<_>>(),
+        )
     }
 
     pub(crate) fn params(&self) -> Params {
