@@ -17,8 +17,11 @@ pub(crate) fn rig() -> CameraRig {
         Lens { focal_px: Vector2::new(1450., 1455.), center_px: Vector2::new(327.5, 244.5), distortion };
     let camera = |i: usize| {
         let angle = -0.6 + 0.24 * i as f64;
-        let eye =
-            Point3::new(1500. * angle.sin(), if i % 2 == 0 { 150. } else { -200. }, 1500. * angle.cos());
+        let eye = Point3::new(
+            1500. * angle.sin(),
+            if i.is_multiple_of(2) { 150. } else { -200. },
+            1500. * angle.cos(),
+        );
         let cam_from_world = Camera::pose_looking_at(eye, Point3::origin(), Vector3::y());
         Camera { image_size: [656, 490], lens, cam_from_world }
     };
