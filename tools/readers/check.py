@@ -55,6 +55,9 @@ def check_static():
 
 def check_frames():
     import handles, head_pose, trajectories_3d
+    covariance, views = trajectories_3d.read_accuracy(FIXTURES / "trajectories-3d-1/measured.jsonl")
+    close(covariance[0, 0], [[0.0025, 0, 0.0005], [0, 0.0025, -0.0005], [0.0005, -0.0005, 0.01]])
+    assert views[0]["nose"] == ["front", "left", "right"] and np.isnan(covariance[1]).all() and views[1] == {}
     for kind in ("trajectories-3d", "head-trajectories"):
         header, frames, points, status = trajectories_3d.read(FIXTURES / f"{kind}-1/{kind}.jsonl")
         assert header["markers"] == ["brow_l", "lip_r", "nose"] and frames.tolist() == [1001, 1002, 1004]

@@ -21,6 +21,16 @@ def read(path):
     return header, frames, points.reshape(len(lines), len(markers), 3), status
 
 
+def read_accuracy(path):
+    """(covariances: #F x #M x 3 x 3 in mm², NaN where nothing is said, views: #F lists of {marker: [camera, …]})."""
+    with open(path, encoding="utf-8") as file:
+        markers = json.loads(file.readline())["data"]["markers"]
+        lines = [json.loads(line) for line in file if line.strip()]
+    upper = [[line.get("covariance_mm2", {}).get(m, [np.nan] * 6) for m in markers] for line in lines]
+    upper = np.array(upper, dtype=float).reshape(len(lines), len(markers), 6)
+    return upper[..., [[0, 1, 2], [1, 3, 4], [2, 4, 5]]], [line.get("views", {}) for line in lines]
+
+
 if __name__ == "__main__":
     header, frames, points, status = read(sys.argv[1])
     seen = np.isfinite(points[..., 0]).mean() if points.size else 0.0

@@ -81,6 +81,7 @@ pub use image_pattern::{image_numbers, image_path};
 pub use labels::Labels;
 pub use large_scale::{LargeScale, SequenceForm};
 pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};
+pub use markers::Extent;
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
@@ -96,7 +97,8 @@ pub use sync::{Shown, SyncCamera, SyncFrame, SyncHeader, SyncSource, TimeBase};
 pub use take::{Axis, Clock, Consent, Footage, Take, TakeCamera, TakeRef};
 pub use tracks_2d::{Sample2d, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
 pub use trajectories::{
-    HeadTrajectories, MarkerFrame, MarkerHeader, SampleStatus, Trajectories, Trajectories3d,
+    Accuracy, HeadTrajectories, MarkerFrame, MarkerHeader, MeasuredFrame, MeasuredTrajectories, SampleStatus,
+    Trajectories, Trajectories3d,
 };
 pub use valleys::{Space, ValleyPoint, Valleys, ValleysFrame, ValleysHeader};
 pub use vertices::{VertexMapping, VertexPath, VertexSet};

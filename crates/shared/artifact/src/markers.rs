@@ -1,8 +1,9 @@
 //! What the marker formats of others share: labels, units, gaps.
 
 use crate::ids::check_marker_ids;
-use crate::{Error, MarkerFrame, Rate, Result, Trajectories, Unit, Violation};
+use crate::{Error, MarkerFrame, MarkerHeader, Rate, Result, Trajectories, Unit, Violation};
 use nalgebra::Point3;
+use std::borrow::Borrow;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -158,15 +159,13 @@ pub(crate) fn point_in_cells(
     }
 }
 
-/// What every writer asks of trajectories; returns the rate, without which these formats cannot be.
-pub(crate) fn check_writable(path: &Path, trajectories: &Trajectories) -> Result<Rate> {
-    let header = &trajectories.header;
+/// What every writer asks of a header; returns the rate, without which these formats cannot be.
+pub(crate) fn check_writable(path: &Path, header: &MarkerHeader, frame_count: usize) -> Result<Rate> {
     let refuse = |what: &str, fix: &str| Err(Error::new(path, what).fix(fix));
     check_marker_ids(&header.markers).map_err(|violation| violation.in_file(path))?;
-    if header.markers.is_empty() || trajectories.frames.is_empty() {
+    if header.markers.is_empty() || frame_count == 0 {
         return refuse("there are no markers or no frames to write", "check the stage before");
     }
-    check_frames(trajectories).map_err(|violation| violation.in_file(path))?;
     match header.rate.filter(|rate| rate.hz().is_finite() && rate.hz() > 0.0) {
         Some(rate) => Ok(rate),
         None => refuse(
@@ -176,26 +175,66 @@ pub(crate) fn check_writable(path: &Path, trajectories: &Trajectories) -> Result
     }
 }
 
-fn check_frames(trajectories: &Trajectories) -> std::result::Result<(), Violation> {
-    let markers = &trajectories.header.markers;
+/// The frames as they come, each checked: numbers rise within the extent, points are as many as markers, and finite.
+pub(crate) fn checked<'a, F: Borrow<MarkerFrame>>(
+    path: &'a Path,
+    markers: &'a [String],
+    extent: &'a Extent,
+    frames: impl Iterator<Item = Result<F>> + 'a,
+) -> impl Iterator<Item = Result<F>> + 'a {
     let mut last = None;
-    for frame in &trajectories.frames {
-        if let Some(last) = last.filter(|&last| last >= frame.frame) {
-            return Err(Violation::new(format!("frame {}", frame.frame), format!("follows frame {last}")));
-        }
-        last = Some(frame.frame);
-        if frame.points.len() != markers.len() {
-            let what = format!("has {} points for {} markers", frame.points.len(), markers.len());
-            return Err(Violation::new(format!("frame {}", frame.frame), what));
-        }
-        for (marker, point) in markers.iter().zip(&frame.points) {
-            if let Some(number) = point.iter().flat_map(|point| point.iter()).find(|x| !x.is_finite()) {
-                let place = format!("frame {}, marker {marker}", frame.frame);
-                return Err(Violation::new(place, format!("{number} is not a finite number")));
-            }
+    frames.map(move |frame| {
+        let frame = frame?;
+        check_frame(markers, extent, last, frame.borrow()).map_err(|violation| violation.in_file(path))?;
+        last = Some(frame.borrow().frame);
+        Ok(frame)
+    })
+}
+
+fn check_frame(
+    markers: &[String],
+    extent: &Extent,
+    last: Option<i64>,
+    frame: &MarkerFrame,
+) -> std::result::Result<(), Violation> {
+    let refuse = |what: String| Err(Violation::new(format!("frame {}", frame.frame), what));
+    if let Some(last) = last.filter(|&last| last >= frame.frame) {
+        return refuse(format!("follows frame {last}"));
+    }
+    if !(extent.first..=extent.last).contains(&frame.frame) {
+        return refuse(format!("is not in the announced range {} to {}", extent.first, extent.last));
+    }
+    if frame.points.len() != markers.len() {
+        return refuse(format!("has {} points for {} markers", frame.points.len(), markers.len()));
+    }
+    for (marker, point) in markers.iter().zip(&frame.points) {
+        if let Some(number) = point.iter().flat_map(|point| point.iter()).find(|x| !x.is_finite()) {
+            let place = format!("frame {}, marker {marker}", frame.frame);
+            return Err(Violation::new(place, format!("{number} is not a finite number")));
         }
     }
     Ok(())
+}
+
+/// Which frames a file is to hold; formats that count in their header must know before the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extent {
+    /// Number of the first frame.
+    pub first: i64,
+    /// Number of the last frame.
+    pub last: i64,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Extent {
+    /// Of trajectories in memory.
+    #[must_use]
+    pub fn of(trajectories: &Trajectories) -> Self {
+        let number = |frame: Option<&MarkerFrame>| frame.map_or(0, |frame| frame.frame);
+        let frames = &trajectories.frames;
+        Self { first: number(frames.first()), last: number(frames.last()), count: frames.len() }
+    }
 }
 
 #[cfg(test)]

@@ -5,13 +5,15 @@
 //! three coordinates per marker. Empty cells are missing samples, and so is `NaN`.
 
 use crate::markers::{
-    check_writable, ids_of_labels, listed, number_in_cell, point_in_cells, rate_of, resolve_unit,
+    check_writable, checked, ids_of_labels, listed, number_in_cell, point_in_cells, rate_of, resolve_unit,
     warn_of_origins,
 };
 use crate::source::read_text;
 use crate::{
-    Error, MarkerFrame, MarkerHeader, Rate, Result, SampleStatus, Sink, Staged, Trajectories, Unit, file_name,
+    Error, Extent, MarkerFrame, MarkerHeader, Rate, Result, SampleStatus, Sink, Staged, Trajectories, Unit,
+    file_name,
 };
+use std::borrow::Borrow;
 use std::io::Write;
 use std::path::Path;
 
@@ -241,28 +243,45 @@ fn check_times(frames: &[MarkerFrame], times: &[f64], rate: Option<Rate>, warnin
 /// If there is no rate, marker or frame, an id holds a tab or line end or has blanks around it, a coordinate is not
 /// finite, or the file cannot be written.
 pub fn write(path: &Path, trajectories: &Trajectories) -> Result<Staged> {
-    let rate = check_writable(path, trajectories)?;
+    write_frames(path, &trajectories.header, Extent::of(trajectories), trajectories.frames.iter().map(Ok))
+}
+
+/// The same, frame by frame: nothing is kept in memory.
+///
+/// # Errors
+/// As [`write`]; also the errors of `frames`, and if these do not keep to the extent.
+pub fn write_frames<F: Borrow<MarkerFrame>>(
+    path: &Path,
+    header: &MarkerHeader,
+    extent: Extent,
+    frames: impl Iterator<Item = Result<F>>,
+) -> Result<Staged> {
+    let rate = check_writable(path, header, extent.count)?;
     let plain = |id: &&String| !id.contains(['\t', '\n', '\r']) && id.trim() == id.as_str();
-    if let Some(id) = trajectories.header.markers.iter().find(|id| !plain(id)) {
+    if let Some(id) = header.markers.iter().find(|id| !plain(id)) {
         return Err(Error::new(path, "the id does not fit a TRC file")
             .at(format!("marker '{}'", id.escape_debug()))
             .fix("use no tabs or line ends, and no blanks around it"));
     }
     let mut sink = Sink::create(path)?;
-    write_text(&mut sink, &file_name(path), trajectories, rate)
-        .map_err(|cause| Error::io(path, "write", &cause))?;
+    let fail = |cause: std::io::Error| Error::io(path, "write", &cause);
+    write_head(&mut sink, &file_name(path), header, extent, rate).map_err(fail)?;
+    for frame in checked(path, &header.markers, &extent, frames) {
+        write_row(&mut sink, frame?.borrow(), extent.first, rate.hz()).map_err(fail)?;
+    }
     sink.finish()
 }
 
-fn write_text(
+fn write_head(
     out: &mut impl Write,
     name: &str,
-    trajectories: &Trajectories,
+    header: &MarkerHeader,
+    extent: Extent,
     rate: Rate,
 ) -> std::io::Result<()> {
-    let (markers, frames) = (&trajectories.header.markers, &trajectories.frames);
-    let first = frames.first().map_or(0, |frame| frame.frame);
-    let (hz, frame_count) = (rate.hz(), frames.len());
+    let markers = &header.markers;
+    let Extent { first, count: frame_count, .. } = extent;
+    let hz = rate.hz();
     writeln!(out, "PathFileType\t4\t(X/Y/Z)\t{name}")?;
     writeln!(
         out,
@@ -272,16 +291,16 @@ fn write_text(
     writeln!(out, "Frame#\tTime\t{}\t\t", markers.join("\t\t\t"))?;
     let axes: Vec<String> =
         (1..=markers.len()).map(|number| format!("X{number}\tY{number}\tZ{number}")).collect();
-    writeln!(out, "\t\t{}\n", axes.join("\t"))?;
-    for frame in frames {
-        write!(out, "{}\t{:.6}", frame.frame, frame.frame.saturating_sub(first) as f64 / hz)?;
-        for point in &frame.points {
-            match point {
-                Some(point) => write!(out, "\t{}\t{}\t{}", point.x, point.y, point.z)?,
-                None => out.write_all(b"\t\t\t")?,
-            }
+    writeln!(out, "\t\t{}\n", axes.join("\t"))
+}
+
+fn write_row(out: &mut impl Write, frame: &MarkerFrame, first: i64, hz: f64) -> std::io::Result<()> {
+    write!(out, "{}\t{:.6}", frame.frame, frame.frame.saturating_sub(first) as f64 / hz)?;
+    for point in &frame.points {
+        match point {
+            Some(point) => write!(out, "\t{}\t{}\t{}", point.x, point.y, point.z)?,
+            None => out.write_all(b"\t\t\t")?,
         }
-        writeln!(out)?;
     }
-    Ok(())
+    writeln!(out)
 }

@@ -56,14 +56,32 @@ fn integer_and_real_of_one_take_are_equal() {
     assert_eq!(format!("{:.2}", 100.0 * gaps as f64 / (26.0 * 450.0)), "1.93");
 }
 
+/// Intel, DEC and SGI, as integers and as reals: six files of one take.
 #[test]
-fn other_encodings_are_refused_by_name() {
-    for (file, name) in [("si", "SGI"), ("sr", "SGI"), ("vi", "DEC"), ("vr", "DEC")] {
-        let Some(path) = data(&format!("c3d/Eb015{file}.c3d")) else { return };
-        let error = c3d::read(&path, None).unwrap_err();
-        assert!(error.to_string().contains(name), "{error}");
-        assert_eq!(error.place.as_deref(), Some("byte 515"));
+fn all_six_encodings_of_one_take_are_equal() {
+    let Some(path) = data("c3d/Eb015pi.c3d") else { return };
+    let intel = c3d::read(&path, None).unwrap();
+    for (file, storage) in [
+        ("pr", Storage::Real),
+        ("si", Storage::Integer),
+        ("sr", Storage::Real),
+        ("vi", Storage::Integer),
+        ("vr", Storage::Real),
+    ] {
+        let read = c3d::read(&data(&format!("c3d/Eb015{file}.c3d")).unwrap(), None).unwrap();
+        assert_eq!((read.storage, read.unit), (storage, intel.unit), "{file}");
+        assert_eq!(read.trajectories, intel.trajectories, "{file}");
+        assert_eq!(read.warnings, intel.warnings, "{file}");
     }
+}
+
+#[test]
+fn an_unknown_processor_is_refused_by_name() {
+    let mut bytes = bytes_of(&small());
+    bytes[515] = 90;
+    let error = parse(&bytes).unwrap_err();
+    assert!(error.to_string().contains("processor type 90"), "{error}");
+    assert_eq!(error.place.as_deref(), Some("byte 515"));
 }
 
 #[test]

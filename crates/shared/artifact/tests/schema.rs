@@ -7,10 +7,10 @@ mod support;
 use artifact::provenance::Provenance;
 use artifact::{
     CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, HandleFrame, Handles,
-    HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeshRef, ResponseBasis, SampleStatus,
-    SectionState, Sections, Stream, Take, TimeBase, TrackState, Tracks2d, Trajectories3d, Unit, Valleys,
-    VertexMapping, VertexPath, VertexSet, Warp, Wrinkled, Wrinkles2d, document_schema, read_document,
-    stream_schema, write_document,
+    HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories, MeshRef,
+    ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase, TrackState, Tracks2d,
+    Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp, Wrinkled, Wrinkles2d,
+    document_schema, read_document, stream_schema, write_document,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -313,6 +313,42 @@ fn frozen_trajectories_read() {
     assert_eq!(points[0], None, "null is missing");
     assert_eq!(points[2].unwrap().z, 0.1 + 0.2, "0.30000000000000004 survives");
     assert_eq!(status[..], [SampleStatus::Measured, SampleStatus::SingleCamera, SampleStatus::Interpolated]);
+}
+
+/// What is said of accuracy is optional: who knows it reads it, who does not reads the same markers.
+#[test]
+fn frozen_trajectories_with_accuracy_read() {
+    let path = fixture("trajectories-3d-1/measured.jsonl");
+    let reader = FrameReader::<MeasuredTrajectories>::open(&path).unwrap();
+    let header = reader.header().clone();
+    let frames: Vec<_> = reader.map(Result::unwrap).collect();
+    let accuracy = frames[0].accuracy[0].as_ref().unwrap();
+    assert_eq!(accuracy.covariance_mm2, [0.0025, 0.0, 0.0005, 0.0025, -0.0005, 0.01]);
+    assert_eq!(accuracy.views, ["front", "left"]);
+    assert_eq!((&frames[0].accuracy[1], &frames[1].accuracy), (&None, &vec![None; 3]));
+    let place = Place::new();
+    let mut writer = FrameWriter::<MeasuredTrajectories>::create(&place.path("again.jsonl"), header).unwrap();
+    frames.iter().for_each(|frame| writer.write(frame).unwrap());
+    writer.finish().unwrap().publish().unwrap();
+    assert_eq!(bytes(&place.path("again.jsonl")), bytes(&path));
+    let plain = FrameReader::<Trajectories3d>::open(&path).unwrap().map(Result::unwrap);
+    assert!(plain.eq(stream::<Trajectories3d>().1), "without its accuracy it is the same take");
+}
+
+#[test]
+fn accuracy_of_what_is_not_there_is_refused() {
+    let text = String::from_utf8(bytes(&fixture("trajectories-3d-1/measured.jsonl"))).unwrap();
+    let place = Place::new();
+    for (from, to, what) in [
+        ("\"nose\":[0.1,0.2,0.3]}", "\"nose\":null}", "marker nose: has an accuracy, but no position"),
+        ("[0.001,0.0,0.0,0.001", "[0.001,0.0,0.0,-0.001", "the variance -0.001 mm² is negative"),
+        ("[\"front\",\"left\"]", "[\"\"]", "a camera has an empty id"),
+        ("\"views\":{\"brow_l\"", "\"views\":{\"ghost\"", "ghost"),
+    ] {
+        let path = place.file("bad.jsonl", text.replace(from, to).into_bytes());
+        let error = FrameReader::<Trajectories3d>::open(&path).unwrap().next().unwrap().unwrap_err();
+        assert!(error.to_string().contains(what), "{error}");
+    }
 }
 
 #[test]

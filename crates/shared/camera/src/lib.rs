@@ -23,3 +23,4 @@ pub use align::{AlignError, fit_rigid, fit_similarity};
 pub use camera::Camera;
 pub use lens::{BrownConrady, Lens};
 pub use pinhole::Pinhole;
+pub use triangulate::nearest_to_lines;

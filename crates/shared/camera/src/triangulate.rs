@@ -1,10 +1,29 @@
 //! A point from its images.
 
 use crate::Camera;
-use nalgebra::{Matrix3, Point3, Vector2, Vector3};
+use nalgebra::{Matrix3, Point3, Unit, Vector2, Vector3};
 
 /// Rays whose normal matrix is worse conditioned than this are parallel.
 const PARALLEL: f64 = 1e-10;
+
+/// The point nearest to rays (an origin and a direction each), in the sense of least squares of its distances to their lines
+/// [HartleyZisserman2004, § 12]. None from fewer than two rays or parallel ones. It may lie behind an origin.
+#[must_use]
+pub fn nearest_to_lines(rays: &[(Point3<f64>, Unit<Vector3<f64>>)]) -> Option<Point3<f64>> {
+    let mut normal = Matrix3::zeros();
+    let mut right = Vector3::zeros();
+    for (origin, direction) in rays {
+        // Takes away what runs along the ray.
+        let across = Matrix3::identity() - direction.into_inner() * direction.transpose();
+        normal += across;
+        right += across * origin.coords;
+    }
+    let eigenvalues = normal.symmetric_eigenvalues();
+    if rays.len() < 2 || eigenvalues.min() <= PARALLEL * eigenvalues.max() {
+        return None;
+    }
+    Some(Point3::from(normal.cholesky()?.solve(&right)))
+}
 
 impl Camera {
     /// The point in world space nearest to the rays through the given pixels, in the sense of least squares of its distances
@@ -14,24 +33,10 @@ impl Camera {
     pub fn nearest_to_rays<'a>(
         views: impl IntoIterator<Item = (&'a Self, Vector2<f64>), IntoIter: Clone>,
     ) -> Option<Point3<f64>> {
-        let views = views.into_iter();
-        let mut normal = Matrix3::zeros();
-        let mut right = Vector3::zeros();
-        let mut count = 0;
-        for (camera, pixel) in views.clone() {
-            let direction = camera.ray_in_world(pixel)?.into_inner();
-            // Takes away what runs along the ray.
-            let across = Matrix3::identity() - direction * direction.transpose();
-            normal += across;
-            right += across * camera.eye_in_world().coords;
-            count += 1;
-        }
-        let eigenvalues = normal.symmetric_eigenvalues();
-        if count < 2 || eigenvalues.min() <= PARALLEL * eigenvalues.max() {
-            return None;
-        }
-        let point = Point3::from(normal.cholesky()?.solve(&right));
-        let mut views = views;
+        let mut views = views.into_iter();
+        let ray = |(camera, pixel): (&Self, _)| Some((camera.eye_in_world(), camera.ray_in_world(pixel)?));
+        let rays: Vec<_> = views.clone().map(ray).collect::<Option<_>>()?;
+        let point = nearest_to_lines(&rays)?;
         views.all(|(camera, _)| (camera.cam_from_world * point).z > 0.0).then_some(point)
     }
 }

@@ -1,22 +1,24 @@
 //! C3D, the binary format of motion capture systems, in and out.
 //!
 //! A header (512 bytes), a section of named parameters, then per frame the points and the analog values. Read:
-//! integer and real points of Intel files; analog values are passed over. Malformed files that are common are read,
+//! integer and real points of Intel, DEC and SGI files; analog values are passed over. Malformed files that are common are read,
 //! each leniency with a warning. Written: Intel, real, mm, no analog values.
 //! See the guide `docs/marker-formats.md`; the format is described by the user guide of c3d.org.
 
 mod claims;
 mod decision;
+mod encoding;
 mod layout;
 mod parameters;
 mod points;
 mod write;
 
 pub use layout::Storage;
-pub use write::write;
+pub use write::{write, write_frames};
 
 use crate::markers::{ids_of_labels, rate_of, resolve_unit};
 use crate::{Error, MarkerHeader, Rate, Result, Trajectories, Unit, Violation, read_bytes};
+use encoding::Foreign;
 use parameters::Parameters;
 use std::path::Path;
 
@@ -26,6 +28,8 @@ const BLOCK: usize = 512;
 const KEY: u8 = 0x50;
 /// Processor types: what wrote the numbers, plus 83.
 const INTEL: u8 = 84;
+const DEC: u8 = 85;
+const SGI: u8 = 86;
 
 /// What was read of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +47,7 @@ pub struct C3d {
 /// Reads the markers of a file. `unit` is what the user says it is in; it is needed where the file does not say.
 ///
 /// # Errors
-/// If it is no C3D, in another encoding than Intel, cut short, without points, contradicts itself or its size, holds
+/// If it is no C3D, of an unknown processor, cut short, without points, contradicts itself or its size, holds
 /// coordinates that are not finite, or its unit is unknown or not the stated one.
 pub fn read(path: &Path, unit: Option<Unit>) -> Result<C3d> {
     parse(path, &read_bytes(path)?, unit)
@@ -57,7 +61,10 @@ pub fn parse(path: &Path, bytes: &[u8], unit: Option<Unit>) -> Result<C3d> {
     let in_file = |violation: Violation| {
         violation.in_file(path).fix("the file is damaged or malformed; copy or export it again")
     };
-    let list = parameter_list(path, bytes)?;
+    let (section, foreign) = parameter_section(path, bytes)?;
+    let intel = foreign.map(|foreign| foreign.to_intel(bytes, section));
+    let bytes = intel.as_deref().unwrap_or(bytes);
+    let list = section + 4;
     let parameters = Parameters::parse(bytes, list).map_err(in_file)?;
     let mut warnings = parameters.leniencies();
     let layout = decision::decide(path, bytes, &parameters, &mut warnings)?;
@@ -79,8 +86,8 @@ pub fn parse(path: &Path, bytes: &[u8], unit: Option<Unit>) -> Result<C3d> {
     Ok(C3d { trajectories: Trajectories { header, frames }, unit, storage: layout.storage, warnings })
 }
 
-/// Where the list of parameters starts; refuses what is no C3D or in another encoding.
-fn parameter_list(path: &Path, bytes: &[u8]) -> Result<usize> {
+/// Where the parameter section starts, and the encoding if it is not Intel's; refuses what is no C3D.
+fn parameter_section(path: &Path, bytes: &[u8]) -> Result<(usize, Option<Foreign>)> {
     let &[block, key, ..] = bytes else {
         return Err(Error::new(path, "is empty").fix("copy or export it again"));
     };
@@ -94,15 +101,14 @@ fn parameter_list(path: &Path, bytes: &[u8]) -> Result<usize> {
         let place = format!("byte {}, its end", bytes.len());
         return Err(Error::new(path, what).at(place).fix("copy or export it again"));
     };
-    let other = match processor {
-        INTEL => return Ok(section + 4),
-        85 => "DEC (VAX) encoded; not read yet".to_string(),
-        86 => "SGI (MIPS) encoded; not read yet".to_string(),
-        other => format!("encoded for processor type {other}, which is unknown"),
-    };
-    Err(Error::new(path, format!("is {other}"))
-        .at(format!("byte {}", section + 3))
-        .fix("convert it to Intel (PC) encoding"))
+    match processor {
+        INTEL => Ok((section, None)),
+        DEC => Ok((section, Some(Foreign::Dec))),
+        SGI => Ok((section, Some(Foreign::Sgi))),
+        other => Err(Error::new(path, format!("is encoded for processor type {other}, which is unknown"))
+            .at(format!("byte {}", section + 3))
+            .fix("convert it to Intel (PC) encoding")),
+    }
 }
 
 /// Labels of the points; POINT:LABELS holds at most 255, LABELS2, LABELS3, … go on.

@@ -1,8 +1,9 @@
 //! The writer: Intel, real points, mm, no analog values.
 
 use super::{BLOCK, INTEL, KEY};
-use crate::markers::check_writable;
-use crate::{Error, MarkerFrame, Rate, Result, Sink, Staged, Trajectories};
+use crate::markers::{check_writable, checked};
+use crate::{Error, Extent, MarkerFrame, MarkerHeader, Result, Sink, Staged, Trajectories};
+use std::borrow::Borrow;
 use std::io::Write;
 use std::path::Path;
 
@@ -24,25 +25,50 @@ const MOST_BLOCKS: usize = 255;
 /// If there is no rate, marker or frame, a frame number is negative, a label does not fit (more than 127 bytes,
 /// blanks around it), a coordinate is not finite as a 32-bit float, or the file cannot be written.
 pub fn write(path: &Path, trajectories: &Trajectories) -> Result<Staged> {
-    let rate = check_writable(path, trajectories)?;
-    check(path, trajectories)?;
-    let outline = Outline::of(trajectories, rate);
+    write_frames(path, &trajectories.header, Extent::of(trajectories), trajectories.frames.iter().map(Ok))
+}
+
+/// The same, frame by frame: nothing is kept in memory.
+///
+/// # Errors
+/// As [`write`]; also the errors of `frames`, and if these do not keep to the extent.
+pub fn write_frames<F: Borrow<MarkerFrame>>(
+    path: &Path,
+    header: &MarkerHeader,
+    extent: Extent,
+    frames: impl Iterator<Item = Result<F>>,
+) -> Result<Staged> {
+    let rate = check_writable(path, header, extent.count)?;
+    check(path, header, extent)?;
+    let outline =
+        Outline { markers: &header.markers, first: extent.first, last: extent.last, rate: rate.hz() as f32 };
     let section = outline.parameters(path)?;
     let mut sink = Sink::create(path)?;
-    outline
-        .write(&mut sink, &section, &trajectories.frames)
-        .map_err(|cause| Error::io(path, "write", &cause))?;
+    let fail = |cause: std::io::Error| Error::io(path, "write", &cause);
+    sink.write_all(&outline.header(&section)).and_then(|()| sink.write_all(&section)).map_err(fail)?;
+    let mut next = extent.first;
+    for frame in checked(path, &header.markers, &extent, frames) {
+        let frame = frame?;
+        let frame = frame.borrow();
+        check_size(path, header, frame)?;
+        outline.write_missing(&mut sink, next..frame.frame).map_err(fail)?;
+        frame.points.iter().try_for_each(|at| sink.write_all(&point(*at))).map_err(fail)?;
+        next = frame.frame + 1;
+    }
+    outline.write_missing(&mut sink, next..extent.last + 1).map_err(fail)?;
+    let used = outline.frame_count() as usize * outline.markers.len() * 16;
+    sink.write_all(&vec![0; used.next_multiple_of(BLOCK) - used]).map_err(fail)?;
     sink.finish()
 }
 
-fn check(path: &Path, trajectories: &Trajectories) -> Result<()> {
-    let (first, last) = range(trajectories);
+fn check(path: &Path, header: &MarkerHeader, extent: Extent) -> Result<()> {
+    let Extent { first, last, .. } = extent;
     if first < 0 || last > i64::from(u32::MAX) || last - first >= MOST_FRAMES {
         let what = format!("frames {first} to {last} do not fit a C3D");
         return Err(Error::new(path, what)
             .fix("a C3D holds up to 16777216 frames, gaps included, with numbers from 0 on; choose fewer"));
     }
-    let markers = &trajectories.header.markers;
+    let markers = &header.markers;
     if markers.len() > usize::from(u16::MAX) {
         return Err(Error::new(path, format!("{} markers do not fit a C3D", markers.len()))
             .fix("a C3D holds up to 65535"));
@@ -53,21 +79,18 @@ fn check(path: &Path, trajectories: &Trajectories) -> Result<()> {
             .at(format!("marker '{id}'"))
             .fix("use at most 127 bytes and no blanks around it"));
     }
-    for frame in &trajectories.frames {
-        let too_large = |point: &Option<nalgebra::Point3<f64>>| {
-            point.is_some_and(|point| point.iter().any(|&x| !(x as f32).is_finite()))
-        };
-        if let Some(marker) = frame.points.iter().position(too_large) {
-            return Err(Error::new(path, "the position is too large for a 32-bit float")
-                .at(format!("frame {}, marker {}", frame.frame, markers[marker])));
-        }
-    }
     Ok(())
 }
 
-fn range(trajectories: &Trajectories) -> (i64, i64) {
-    let frames = &trajectories.frames;
-    (frames.first().map_or(0, |frame| frame.frame), frames.last().map_or(0, |frame| frame.frame))
+fn check_size(path: &Path, header: &MarkerHeader, frame: &MarkerFrame) -> Result<()> {
+    let too_large = |point: &Option<nalgebra::Point3<f64>>| {
+        point.is_some_and(|point| point.iter().any(|&x| !(x as f32).is_finite()))
+    };
+    match frame.points.iter().position(too_large) {
+        Some(marker) => Err(Error::new(path, "the position is too large for a 32-bit float")
+            .at(format!("frame {}, marker {}", frame.frame, header.markers[marker]))),
+        None => Ok(()),
+    }
 }
 
 /// What the header and the parameters say.
@@ -78,28 +101,14 @@ struct Outline<'a> {
     rate: f32,
 }
 
-impl<'a> Outline<'a> {
-    fn of(trajectories: &'a Trajectories, rate: Rate) -> Self {
-        let (first, last) = range(trajectories);
-        Self { markers: &trajectories.header.markers, first, last, rate: rate.hz() as f32 }
-    }
-
+impl Outline<'_> {
     fn frame_count(&self) -> i64 {
         self.last - self.first + 1
     }
 
-    fn write(&self, out: &mut impl Write, section: &[u8], frames: &[MarkerFrame]) -> std::io::Result<()> {
-        out.write_all(&self.header(section))?;
-        out.write_all(section)?;
-        let mut frames = frames.iter().peekable();
-        for number in self.first..=self.last {
-            let frame = frames.next_if(|frame| frame.frame == number);
-            for marker in 0..self.markers.len() {
-                out.write_all(&point(frame.and_then(|frame| frame.points[marker])))?;
-            }
-        }
-        let used = self.frame_count() as usize * self.markers.len() * 16;
-        out.write_all(&vec![0; used.next_multiple_of(BLOCK) - used])
+    /// Frames that are not there, with all samples missing.
+    fn write_missing(&self, out: &mut impl Write, frames: std::ops::Range<i64>) -> std::io::Result<()> {
+        frames.flat_map(|_| self.markers).try_for_each(|_| out.write_all(&point(None)))
     }
 
     fn header(&self, section: &[u8]) -> Vec<u8> {

@@ -1,0 +1,106 @@
+//! Why tracks cannot be triangulated.
+
+use std::path::Path;
+
+/// Why tracks cannot be triangulated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The tracks name a camera that the rig has not.
+    #[error("names camera {camera}, which the rig has not (it has {})", .known.join(", "))]
+    UnknownCamera {
+        /// The camera.
+        camera: String,
+        /// Cameras of the rig.
+        known: Vec<String>,
+    },
+    /// The time base says nothing of a camera.
+    #[error("names camera {0}, of which the time base says nothing")]
+    UnsyncedCamera(String),
+    /// One camera gives no depth.
+    #[error("has tracks of {0} camera(s); two are needed to triangulate")]
+    TooFewCameras(usize),
+    /// A point far outside its camera's image: the calibration is of another image size.
+    #[error(
+        "the point ({x:.1}, {y:.1}) px lies outside the camera's image of {width} × {height} px: tracks and \
+         calibration are of different image sizes"
+    )]
+    OutsideImage {
+        /// Frame.
+        frame: i64,
+        /// Camera.
+        camera: String,
+        /// Marker.
+        marker: String,
+        /// Where the point is, px.
+        x: f64,
+        /// Where the point is, px.
+        y: f64,
+        /// Width of the camera's image, px.
+        width: u32,
+        /// Height of the camera's image, px.
+        height: u32,
+    },
+    /// Nothing is seen by two cameras at once.
+    #[error("no marker is seen by two cameras in the same frame, so none can be triangulated")]
+    NothingSeenTwice,
+    /// Markers are seen by two cameras, but nowhere do the rays meet.
+    #[error(
+        "in no frame do the rays of any marker meet: {0} samples are seen by two cameras or more, none agrees"
+    )]
+    NothingAgrees(usize),
+    /// The tracks hold no frames.
+    #[error("holds no frames")]
+    NoFrames,
+    /// A length of time was asked for, but the frame rate is unknown.
+    #[error("states no frame rate, so milliseconds cannot be counted in frames")]
+    NoRate,
+    /// A parameter outside its range.
+    #[error("{name} is {value}; {allowed}")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+impl Error {
+    /// The same, said of a file: which one, where in it, what to do.
+    #[must_use]
+    pub fn in_file(&self, path: &Path) -> artifact::Error {
+        let error = artifact::Error::new(path, self.to_string());
+        let error = match self {
+            Self::OutsideImage { frame, camera, marker, .. } => {
+                error.at(format!("frame {frame}, camera {camera}, marker {marker}"))
+            }
+            Self::UnknownCamera { .. } | Self::UnsyncedCamera(_) => error.at("header"),
+            _ => error,
+        };
+        match self.fix() {
+            Some(fix) => error.fix(fix),
+            None => error,
+        }
+    }
+
+    fn fix(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::UnknownCamera { .. } => {
+                "give the calibration of this rig, with the cameras' ids as in the take"
+            }
+            Self::UnsyncedCamera(_) => "give the time base of this take, or leave --sync out",
+            Self::TooFewCameras(_) => "track the markers in more cameras",
+            Self::OutsideImage { .. } => "calibrate with images of the footage's size",
+            Self::NothingSeenTwice => {
+                "check that the cameras' tracks are of one take and use the same marker ids"
+            }
+            Self::NothingAgrees(_) => {
+                "check that the calibration is of this rig and that the tracks' marker ids mean the same everywhere"
+            }
+            Self::NoFrames => "the program that wrote it may have been cut off",
+            Self::NoRate => "give --sync, or --no-filter and --fill-ms 0",
+            Self::Parameter { .. } => return None,
+        })
+    }
+}

@@ -1,0 +1,131 @@
+//! Exchanged labels, found by implausible local strain.
+//!
+//! Skin stretches by a few percent from frame to frame. Where two neighbours take each other's place, the distances of both
+//! to all others jump; given back their places, they do not. What is compared are the logarithms of distances to neighbours
+//! with those of the frame before, labels as they should have been.
+
+use crate::affine::nearest;
+use crate::solve::Solved;
+use nalgebra::Point3;
+use serde::Serialize;
+
+/// Median strain of a marker's distances to its neighbours, per frame, from which it is looked at.
+const IMPLAUSIBLE: f64 = 0.15;
+/// An exchange explains the strain if it leaves less than this share of it.
+const EXPLAINED: f64 = 0.25;
+/// Places are forgotten after so many frames out of sight.
+const FORGOTTEN: i64 = 25;
+
+/// Two markers that stand under each other's name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Swap {
+    /// Their ids.
+    pub markers: [String; 2],
+    /// First frame …
+    pub first: i64,
+    /// … and last frame of the exchange; to the end of the take, if they do not change back.
+    pub last: i64,
+}
+
+/// Watches frames in their order.
+pub(crate) struct StrainWatch {
+    /// Per marker its last true place, and in which frame.
+    places: Vec<Option<(i64, Point3<f64>)>>,
+    /// Exchanges that have not ended: markers, first frame, last frame seen.
+    open: Vec<([usize; 2], i64, i64)>,
+    closed: Vec<([usize; 2], i64, i64)>,
+}
+
+impl StrainWatch {
+    pub(crate) fn new(marker_count: usize) -> Self {
+        Self { places: vec![None; marker_count], open: Vec::new(), closed: Vec::new() }
+    }
+
+    pub(crate) fn see(&mut self, frame: &Solved) {
+        self.places.iter_mut().for_each(|place| {
+            place.take_if(|(seen, _)| frame.frame - *seen > FORGOTTEN);
+        });
+        let mut now: Vec<Option<Point3<f64>>> =
+            (0..frame.found.len()).map(|marker| frame.fix(marker).map(|fix| fix.position)).collect();
+        // As the labels should be, if the exchanges that are open go on.
+        self.open.iter().for_each(|([a, b], ..)| now.swap(*a, *b));
+        for [a, b] in self.exchanged(&now) {
+            now.swap(a, b);
+            match self.open.iter().position(|(pair, ..)| *pair == [a, b]) {
+                Some(ended) => self.closed.push(self.open.remove(ended)),
+                None => self.open.push(([a, b], frame.frame, frame.frame)),
+            }
+        }
+        let is_seen = |marker: &usize| now[*marker].is_some();
+        for (pair, _, last) in &mut self.open {
+            *last = if pair.iter().any(is_seen) { frame.frame } else { *last };
+        }
+        for (place, now) in self.places.iter_mut().zip(now) {
+            *place = now.map(|now| (frame.frame, now)).or(*place);
+        }
+    }
+
+    /// What was found, in the order of frames.
+    pub(crate) fn finish(mut self, ids: &[String]) -> Vec<Swap> {
+        self.closed.append(&mut self.open);
+        self.closed.sort_by_key(|(pair, first, last)| (*first, *last, *pair));
+        let swap = |([a, b], first, last): &([usize; 2], i64, i64)| Swap {
+            markers: [ids[*a].clone(), ids[*b].clone()],
+            first: *first,
+            last: *last,
+        };
+        self.closed.iter().map(swap).collect()
+    }
+
+    /// Pairs whose exchange explains an implausible strain; no marker twice.
+    fn exchanged(&self, now: &[Option<Point3<f64>>]) -> Vec<[usize; 2]> {
+        let strained: Vec<usize> = (0..now.len())
+            .filter(|&marker| {
+                self.strain(marker, now[marker], now).is_some_and(|strain| strain > IMPLAUSIBLE)
+            })
+            .collect();
+        let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
+        for (i, &a) in strained.iter().enumerate() {
+            for &b in &strained[i + 1..] {
+                pairs.extend(self.share_left(a, b, now).map(|share| (share, [a, b])));
+            }
+        }
+        pairs.retain(|(share, _)| *share < EXPLAINED);
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut taken: Vec<[usize; 2]> = Vec::new();
+        for (_, pair) in pairs {
+            if !taken.iter().flatten().any(|marker| pair.contains(marker)) {
+                taken.push(pair);
+            }
+        }
+        taken
+    }
+
+    /// How much of the strain of two markers is left if they change places.
+    fn share_left(&self, a: usize, b: usize, now: &[Option<Point3<f64>>]) -> Option<f64> {
+        let mut changed = now.to_vec();
+        changed.swap(a, b);
+        let sum =
+            |now: &[Option<Point3<f64>>]| Some(self.strain(a, now[a], now)? + self.strain(b, now[b], now)?);
+        Some(sum(&changed)? / sum(now)?)
+    }
+
+    /// Median of |log distance − log distance before| over the neighbours of a marker.
+    fn strain(&self, marker: usize, here: Option<Point3<f64>>, now: &[Option<Point3<f64>>]) -> Option<f64> {
+        let (here, (_, before)) = (here?, self.places[marker]?);
+        let others = self.places.iter().enumerate().filter(|(other, _)| *other != marker);
+        let others = others.filter_map(|(other, place)| Some((other, now[other].and(*place)?.1)));
+        let change = |other: usize, arm: f64| Some(((now[other]? - here).norm() / arm).ln().abs());
+        let neighbors = nearest(&before, others);
+        let mut changes: Vec<f64> = neighbors
+            .iter()
+            .filter_map(|n| change(n.marker, n.arm.norm()))
+            .filter(|c| c.is_finite())
+            .collect();
+        if changes.len() < 3 {
+            return None;
+        }
+        let middle = changes.len() / 2;
+        Some(*changes.select_nth_unstable_by(middle, f64::total_cmp).1)
+    }
+}
