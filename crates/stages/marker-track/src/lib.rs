@@ -6,6 +6,7 @@ mod center;
 mod dots;
 mod error;
 mod matching;
+mod matte;
 mod paint;
 mod params;
 mod picture;

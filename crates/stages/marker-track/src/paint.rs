@@ -29,6 +29,9 @@ const WIDE: [f64; 2] = [0.25, 0.6];
 /// A colour is not paint's if the labelled image shows it elsewhere so many times as often as on labelled dots: unlabelled
 /// dots may be as frequent as three to each labelled one.
 const ELSEWHERE: u32 = 4;
+/// A dot reaches this far beyond its middle radius, px; what is farther than the second from twice the radius is no dot.
+const ON_PX: f64 = 1.5;
+const NEITHER_PX: f64 = 2.0;
 
 /// The colour of the markers in one camera.
 #[derive(Debug, Clone)]
@@ -83,7 +86,8 @@ impl Paint {
         for sample in &samples {
             paint.stamp(sample.around, least_coverage, wide, &mut nearest);
         }
-        paint.unlearn(picture, &places, reach);
+        let radius = paint.typical_radius(picture, &places, reach);
+        paint.unlearn(picture, &places, radius);
         Ok(paint)
     }
 
@@ -117,12 +121,9 @@ impl Paint {
 
     /// Enters the curve from a surrounding to the paint into the table.
     fn stamp(&mut self, around: [f64; 3], least: f64, wide: f64, nearest: &mut [f64]) {
-        let light: f64 = around.iter().sum();
         for step in 0..=STEPS {
             let share = least + (1.0 - least) * step as f64 / STEPS as f64;
-            // Under light so dim that a surrounding is nearly black, ratios of its mixtures are the paint's anyway.
             let mixed = std::array::from_fn(|c| (1.0 - share) * around[c] + share * self.color[c]);
-            let _ = light;
             let at = ratios(mixed, self.floor);
             let reach = NARROW + (wide - NARROW) * (share - least) / (1.0 - least);
             self.stamp_disc(at, reach, share, nearest);
@@ -150,25 +151,45 @@ impl Paint {
         }
     }
 
-    /// Takes colours out of the table that the labelled image shows mostly away from labels.
-    fn unlearn(&mut self, picture: &Picture, places: &[[f64; 2]], reach: f64) {
-        let mut near = vec![false; picture.width * picture.height];
-        for at in places {
-            let [columns, rows] = window(picture, *at, reach);
-            rows.for_each(|y| near[y * picture.width..][columns.clone()].fill(true));
+    /// Takes colours out of the table that the labelled image shows mostly away from dots.
+    fn unlearn(&mut self, picture: &Picture, places: &[[f64; 2]], radius: f64) {
+        const ON: u8 = 0;
+        const NEITHER: u8 = 1;
+        const OFF: u8 = 2;
+        let mut zones = vec![OFF; picture.width * picture.height];
+        for (zone, reach) in [(NEITHER, 2.0 * radius + NEITHER_PX), (ON, radius + ON_PX)] {
+            for at in places {
+                let [columns, rows] = window(picture, *at, reach);
+                rows.for_each(|y| zones[y * picture.width..][columns.clone()].fill(zone));
+            }
         }
-        let mut counts = vec![[0u32; 2]; SIDE * SIDE];
-        for (pixel, near) in picture.rgb.chunks_exact(3).zip(&near) {
+        let mut counts = vec![[0u32; 3]; SIDE * SIDE];
+        for (pixel, zone) in picture.rgb.chunks_exact(3).zip(&zones) {
             let place = self.place([pixel[0], pixel[1], pixel[2]]);
-            if self.table[place] > 0 {
-                counts[place][usize::from(!near)] += 1;
+            counts[place][usize::from(*zone)] += 1;
+        }
+        let around = |place: usize, zone: u8| -> u32 {
+            let (row, column) = (place / SIDE, place % SIDE);
+            let rows = row.saturating_sub(1)..(row + 2).min(SIDE);
+            let columns = column.saturating_sub(1)..(column + 2).min(SIDE);
+            rows.map(|r| counts[r * SIDE..][columns.clone()].iter().map(|c| c[usize::from(zone)]).sum::<u32>())
+                .sum()
+        };
+        for place in (0..SIDE * SIDE).filter(|&place| self.table[place] > 0).collect::<Vec<_>>() {
+            if around(place, OFF) > ELSEWHERE * (around(place, ON) + 1) {
+                self.table[place] = 0;
             }
         }
-        for (entry, [on, off]) in self.table.iter_mut().zip(counts) {
-            if off > ELSEWHERE * (on + 1) {
-                *entry = 0;
-            }
-        }
+    }
+
+    /// The middle radius of the dots at the labels, px, from the pixels that are mostly paint.
+    fn typical_radius(&self, picture: &Picture, places: &[[f64; 2]], reach: f64) -> f64 {
+        let painted = |at: &[f64; 2]| {
+            let [columns, rows] = window(picture, *at, reach);
+            let cover = |y| columns.clone().filter(move |&x| self.coverage(picture.at(x, y)) > 128).count();
+            (rows.map(cover).sum::<usize>() as f64 / std::f64::consts::PI).sqrt()
+        };
+        median(&mut places.iter().map(painted).collect::<Vec<_>>())
     }
 }
 
