@@ -40,6 +40,9 @@ pub enum Error {
         "the labelled places have the colour of what surrounds them\n  to do: check that the labels are of this image, and that they are in pixels"
     )]
     NoContrast,
+    /// A colour that no pixel shows.
+    #[error("no pixel shows the color #{:02x}{:02x}{:02x}\n  to do: take the color of a dot from the image itself", .0[0], .0[1], .0[2])]
+    NoColor([u8; 3]),
     /// A label outside the image.
     #[error("marker {marker}: the label at ({:.1}, {:.1}) lies outside the image, {} × {} px", .at[0], .at[1], .size[0], .size[1])]
     Outside {

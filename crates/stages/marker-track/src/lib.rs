@@ -3,8 +3,12 @@
 mod assign;
 mod blobs;
 mod center;
+mod detect;
 mod dots;
+mod draw;
+mod edits;
 mod error;
+mod guide;
 mod matching;
 mod matte;
 mod paint;
@@ -15,7 +19,11 @@ mod track;
 mod tracker;
 mod transfer;
 
+pub use detect::{Found, detect, places_of_color};
+pub use draw::Canvas;
+pub use edits::Edits;
 pub use error::Error;
+pub use guide::hints;
 pub use paint::Paint;
 pub use params::Params;
 pub use picture::Picture;

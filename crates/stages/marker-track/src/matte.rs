@@ -67,11 +67,14 @@ impl Surroundings {
         let limit = (FOREIGN_NOISE * noise).min(0.5 * color.norm()).max(FOREIGN * color.norm());
         let own: Vec<Sample> = samples.iter().filter(|s| s[3].abs() <= limit).copied().collect();
         let [bare, light] = robust_planes(if own.len() < FEWEST { &samples } else { &own })?;
+        let near: Vec<Sample> =
+            (0..parts.len()).filter(|&i| parts[i] != Part::Other).map(|i| sample(&i)).collect();
         let slope = |above: bool| {
-            let foreign = samples.iter().filter(|s| s[3].abs() > limit && (s[3] > 0.0) == above);
+            let foreign = near.iter().filter(|s| s[3].abs() > limit && (s[3] > 0.0) == above);
             let add = |(n, sum, square): (usize, f64, f64), s: &Sample| {
                 let off = s[2] - bare.dot(&Vector3::new(1.0, s[0], s[1]));
-                (n + 1, sum + off * s[3], square + s[3] * s[3])
+                let weight = s[3] * s[3];
+                (n + 1, sum + weight * off * s[3], square + weight * s[3] * s[3])
             };
             let (count, sum, square) = foreign.fold((0, 0.0, 0.0), add);
             if count < FOREIGN_PIXELS { 0.0 } else { sum / square }

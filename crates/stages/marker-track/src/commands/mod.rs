@@ -1,12 +1,19 @@
 //! The subcommands.
 
+mod detect;
 mod footage;
+mod follow;
+mod guide;
+mod show;
 mod track;
 
 use clap::{Parser, Subcommand};
 use stage::Run;
 
 /// Follows painted markers through the images of each camera
+///
+/// Number the dots of one frame with `detect`, write their names into a labels file, `track` them, and look at the tracks
+/// with `show`.
 #[derive(Parser)]
 #[command(name = "marker-track", version)]
 pub(crate) struct Arguments {
@@ -19,6 +26,8 @@ pub(crate) struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Track(Box<track::Arguments>),
+    Detect(detect::Arguments),
+    Show(show::Arguments),
 }
 
 impl stage::Arguments for Arguments {
@@ -30,5 +39,7 @@ impl stage::Arguments for Arguments {
 pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Track(arguments) => track::run(run, &arguments),
+        Command::Detect(arguments) => detect::run(run, &arguments),
+        Command::Show(arguments) => show::run(run, &arguments),
     }
 }
