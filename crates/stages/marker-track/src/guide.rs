@@ -7,10 +7,10 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use std::num::NonZero;
 
 /// Markers that a patch of skin is taken from, the marker itself included.
-const PATCH: NonZero<usize> = NonZero::new(7).unwrap();
+const PATCH: NonZero<usize> = NonZero::new(9).unwrap();
 /// Skin turned further than this from the view is not looked for, cosine of the angle; dots are seen up to 70°, and a
 /// patch of markers is flatter than the skin.
-const LEAST_COSINE: f64 = 0.17;
+const LEAST_COSINE: f64 = 0.1;
 
 /// Per marker its place in a camera's image, and whether its skin faces the camera; none for one that is missing, behind the
 /// camera or outside the image. `points`: world, mm.

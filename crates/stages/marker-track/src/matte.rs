@@ -14,6 +14,8 @@ const FOREIGN_NOISE: f64 = 4.0;
 const FOREIGN: f64 = 0.05;
 /// Fewer foreign pixels are noise.
 const FOREIGN_PIXELS: usize = 3;
+/// Hues are alike within 7°, cosine.
+const ALIKE: f64 = 0.9925;
 /// Residuals beyond this many middle ones are left out of the planes.
 const OUTLIER: f64 = 4.0;
 /// Light across a dot may change by this much against its middle.
@@ -53,8 +55,7 @@ impl Surroundings {
         if ring.len() < FEWEST {
             return None;
         }
-        let middle = |c: usize| median(&mut ring.iter().map(|&i| colors[i][c]).collect::<Vec<_>>());
-        let skin = Vector3::from_fn(|c, _| middle(c)).normalize();
+        let skin = prevailing(&ring, colors)?;
         let color = Vector3::from(paint.color);
         let across = color - color.dot(&skin) * skin;
         let out = skin.cross(&color).normalize();
@@ -91,6 +92,21 @@ impl Surroundings {
         let foreign = out * self.slopes[usize::from(out > 0.0)];
         (self.across.dot(color) - self.bare.dot(&at) - foreign) / (light * self.full)
     }
+}
+
+/// The hue that prevails among some pixels, of unit length: that of the pixel nearest to the middle of all, and of those alike.
+/// The middle itself may be a hue that nothing has, where two meet.
+fn prevailing(ring: &[usize], colors: &[Vector3<f64>]) -> Option<Vector3<f64>> {
+    let middle = |c: usize| median(&mut ring.iter().map(|&i| colors[i][c]).collect::<Vec<_>>());
+    let middle = Vector3::from_fn(|c, _| middle(c));
+    let nearest = ring.iter().min_by(|&&a, &&b| {
+        let [a, b] = [a, b].map(|i| (colors[i] - middle).norm_squared());
+        a.total_cmp(&b)
+    });
+    let seed = colors[*nearest?].normalize();
+    let alike = |color: &Vector3<f64>| seed.dot(color) > ALIKE * color.norm();
+    let sum: Vector3<f64> = ring.iter().map(|&i| colors[i]).filter(|color| alike(color)).sum();
+    (sum.norm() > 0.0).then(|| sum.normalize())
 }
 
 /// Planes 1, x, y through what is seen along w and along the skin's colour; samples off the first plane are left out in a

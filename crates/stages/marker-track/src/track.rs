@@ -79,7 +79,9 @@ impl Track {
 
     /// Where 3D markers say.
     pub(crate) fn guided(&self, hint: Hint, gate: f64) -> Prediction {
-        Prediction { at: hint.at, gate, radius: self.radius(), guided: true, facing: hint.facing }
+        // What is seen can be seen, whatever the patch of markers around it says.
+        let facing = hint.facing || (self.alive && self.hidden == 0.0);
+        Prediction { at: hint.at, gate, radius: self.radius(), guided: true, facing }
     }
 
     /// How far from its prediction the marker is looked for, with the next one `spacing` away.
