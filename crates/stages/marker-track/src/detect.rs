@@ -27,9 +27,8 @@ pub fn detect(picture: &Picture, paint: &Paint) -> Vec<Found> {
     let mut owners = Owners::default();
     owners.enter(picture, &blobs);
     let is_dot = |blob: &blobs::Blob| blob.pixels() >= LEAST_PIXELS && blob.peak >= LEAST_PEAK;
-    let spot = |(number, blob): (usize, &blobs::Blob)| {
-        Patch::cut(picture, paint, &owners, blob, &[number])?.spot()
-    };
+    let spot =
+        |(number, blob): (usize, &blobs::Blob)| Patch::cut(picture, paint, &owners, blob, &[number])?.spot();
     blobs
         .iter()
         .enumerate()

@@ -20,7 +20,11 @@ pub(crate) struct Dot {
 }
 
 /// The dots of the patches.
-pub(crate) fn dots(patches: &[Option<Patch>], found: &[Blob], predictions: &[Option<Prediction>]) -> Vec<Dot> {
+pub(crate) fn dots(
+    patches: &[Option<Patch>],
+    found: &[Blob],
+    predictions: &[Option<Prediction>],
+) -> Vec<Dot> {
     let mut all = Vec::new();
     for (blob, patch) in patches.iter().enumerate() {
         let Some(patch) = patch else { continue };

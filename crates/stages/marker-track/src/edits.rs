@@ -83,7 +83,9 @@ fn read(words: &[&str], header: &Tracks2dHeader) -> Result<Edit, String> {
         ["relabel", at, id, a, b] => {
             Ok(Edit::Relabel { frame: frame(at)?, camera: camera(id)?, markers: [marker(a)?, marker(b)?] })
         }
-        ["split", at, id, m] => Ok(Edit::Split { frame: frame(at)?, camera: camera(id)?, marker: marker(m)? }),
+        ["split", at, id, m] => {
+            Ok(Edit::Split { frame: frame(at)?, camera: camera(id)?, marker: marker(m)? })
+        }
         ["fill", at, id, m, x, y] => Ok(Edit::Place {
             frame: frame(at)?,
             camera: camera(id)?,
@@ -91,7 +93,9 @@ fn read(words: &[&str], header: &Tracks2dHeader) -> Result<Edit, String> {
             at: Point2::new(number(x)?, number(y)?),
         }),
         ["fill", range, id, m] => Ok(Edit::Fill {
-            frames: range.parse().map_err(|_| format!("'{range}' is no range of frames such as 1010-1020"))?,
+            frames: range
+                .parse()
+                .map_err(|_| format!("'{range}' is no range of frames such as 1010-1020"))?,
             camera: camera(id)?,
             marker: marker(m)?,
         }),
@@ -114,7 +118,9 @@ impl Edit {
                 later(frames, frame)?.filter_map(|f| f.cameras[camera].as_mut()).for_each(|s| s.swap(a, b));
             }
             Self::Split { frame, camera, marker } => {
-                later(frames, frame)?.filter_map(|f| f.cameras[camera].as_mut()).for_each(|s| s[marker] = None);
+                later(frames, frame)?
+                    .filter_map(|f| f.cameras[camera].as_mut())
+                    .for_each(|s| s[marker] = None);
             }
             Self::Place { frame, camera, marker, at } => {
                 let found = frames.iter_mut().find(|f| f.frame == frame);
@@ -130,7 +136,10 @@ impl Edit {
 }
 
 /// The frames from a number on, of which there must be one.
-fn later(frames: &mut [Tracks2dFrame], from: i64) -> Result<impl Iterator<Item = &mut Tracks2dFrame>, String> {
+fn later(
+    frames: &mut [Tracks2dFrame],
+    from: i64,
+) -> Result<impl Iterator<Item = &mut Tracks2dFrame>, String> {
     match frames.last() {
         Some(last) if last.frame >= from => Ok(frames.iter_mut().filter(move |f| f.frame >= from)),
         _ => Err(format!("the tracks end before frame {from}")),
@@ -145,8 +154,7 @@ fn fill(frames: &mut [Tracks2dFrame], range: FrameRange, camera: usize, marker: 
     let first = frames.iter().find(|f| range.contains(f.frame)).map(|f| f.frame);
     let first = first.ok_or_else(|| format!("the tracks have no frame in {range}"))?;
     let before = frames.iter().filter(|f| f.frame < first).filter_map(|f| known(&f)).next_back();
-    let after =
-        frames.iter().filter(|f| f.frame > first && !range.contains(f.frame)).find_map(|f| known(&f));
+    let after = frames.iter().filter(|f| f.frame > first && !range.contains(f.frame)).find_map(|f| known(&f));
     let (Some((start, from)), Some((end, to))) = (before, after) else {
         return Err(format!("the marker is not seen both before and after {range}"));
     };

@@ -33,7 +33,9 @@ pub enum Error {
         wanted: [usize; 2],
     },
     /// No label lies on the image.
-    #[error("no label lies on the image\n  to do: label the markers that this camera sees, or leave the camera out")]
+    #[error(
+        "no label lies on the image\n  to do: label the markers that this camera sees, or leave the camera out"
+    )]
     NoLabels,
     /// The labelled places look like what surrounds them.
     #[error(

@@ -29,6 +29,8 @@ const WIDE: [f64; 2] = [0.25, 0.6];
 /// A colour is not paint's if the labelled image shows it elsewhere so many times as often as on labelled dots: unlabelled
 /// dots may be as frequent as three to each labelled one.
 const ELSEWHERE: u32 = 4;
+/// With fewer labels than this, most dots are unlabelled, and where dots are not is not known.
+const ENOUGH: usize = 8;
 /// A dot reaches this far beyond its middle radius, px; what is farther than the second from twice the radius is no dot.
 const ON_PX: f64 = 1.5;
 const NEITHER_PX: f64 = 2.0;
@@ -87,7 +89,9 @@ impl Paint {
             paint.stamp(sample.around, least_coverage, wide, &mut nearest);
         }
         let radius = paint.typical_radius(picture, &places, reach);
-        paint.unlearn(picture, &places, radius);
+        if places.len() >= ENOUGH {
+            paint.unlearn(picture, &places, radius);
+        }
         Ok(paint)
     }
 
@@ -172,8 +176,10 @@ impl Paint {
             let (row, column) = (place / SIDE, place % SIDE);
             let rows = row.saturating_sub(1)..(row + 2).min(SIDE);
             let columns = column.saturating_sub(1)..(column + 2).min(SIDE);
-            rows.map(|r| counts[r * SIDE..][columns.clone()].iter().map(|c| c[usize::from(zone)]).sum::<u32>())
-                .sum()
+            rows.map(|r| {
+                counts[r * SIDE..][columns.clone()].iter().map(|c| c[usize::from(zone)]).sum::<u32>()
+            })
+            .sum()
         };
         for place in (0..SIDE * SIDE).filter(|&place| self.table[place] > 0).collect::<Vec<_>>() {
             if around(place, OFF) > ELSEWHERE * (around(place, ON) + 1) {
@@ -227,9 +233,8 @@ fn pooled(samples: &[Sample]) -> ([f64; 3], f64, f64) {
     let mut contrasts: Vec<f64> = samples.iter().map(|sample| sample.contrast).collect();
     let contrast = median(&mut contrasts);
     let best: Vec<&Sample> = samples.iter().filter(|sample| sample.contrast >= contrast).collect();
-    let color: [f64; 3] = std::array::from_fn(|c| {
-        median(&mut best.iter().map(|sample| sample.dot[c]).collect::<Vec<_>>())
-    });
+    let color: [f64; 3] =
+        std::array::from_fn(|c| median(&mut best.iter().map(|sample| sample.dot[c]).collect::<Vec<_>>()));
     let floor = FLOOR_SHARE * color.iter().copied().fold(1e-6, f64::max);
     let middle = ratios(color, floor);
     let mut off: Vec<f64> = best

@@ -46,7 +46,8 @@ impl MotionField {
         if near.is_empty() || scale <= 0.0 {
             return None;
         }
-        let mut weights: Vec<f64> = near.iter().map(|&i| 1.0 / (1.0 + (distance(i) / scale).powi(2))).collect();
+        let mut weights: Vec<f64> =
+            near.iter().map(|&i| 1.0 / (1.0 + (distance(i) / scale).powi(2))).collect();
         let mut motion = Vector2::zeros();
         for _ in 0..=ROUNDS {
             let affine = self.affine(place, scale, &near, &weights)?;
@@ -66,13 +67,7 @@ impl MotionField {
     }
 
     /// Rows: motion at the place, its change along x and along y, per `scale` px.
-    fn affine(
-        &self,
-        place: [f64; 2],
-        scale: f64,
-        near: &[usize],
-        weights: &[f64],
-    ) -> Option<Matrix3x2<f64>> {
+    fn affine(&self, place: [f64; 2], scale: f64, near: &[usize], weights: &[f64]) -> Option<Matrix3x2<f64>> {
         let mut normal = Matrix3::from_diagonal(&Vector3::new(0.0, STIFFNESS, STIFFNESS));
         let mut right = Matrix3x2::zeros();
         for (&i, &weight) in near.iter().zip(weights) {
@@ -95,7 +90,8 @@ mod tests {
 
     #[test]
     fn a_uniform_motion_is_found_and_a_stray_neighbour_is_not_followed() {
-        let places: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i % 3) * 10.0, f64::from(i / 3) * 10.0]).collect();
+        let places: Vec<[f64; 2]> =
+            (0..9).map(|i| [f64::from(i % 3) * 10.0, f64::from(i / 3) * 10.0]).collect();
         let mut motions = vec![[2.0, -1.0]; 9];
         motions[0] = [30.0, 30.0];
         let [x, y] = MotionField::new(places, motions).at([11.0, 12.0]).unwrap();
@@ -104,7 +100,8 @@ mod tests {
 
     #[test]
     fn an_affine_motion_is_nearly_found() {
-        let places: Vec<[f64; 2]> = (0..25).map(|i| [f64::from(i % 5) * 10.0, f64::from(i / 5) * 10.0]).collect();
+        let places: Vec<[f64; 2]> =
+            (0..25).map(|i| [f64::from(i % 5) * 10.0, f64::from(i / 5) * 10.0]).collect();
         let motion = |[x, y]: [f64; 2]| [1.0 + 0.05 * x, -0.03 * y];
         let field = MotionField::new(places.clone(), places.iter().map(|p| motion(*p)).collect());
         let [x, y] = field.at([21.0, 19.0]).unwrap();

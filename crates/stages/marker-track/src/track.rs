@@ -1,8 +1,8 @@
 //! What is remembered of a marker in one camera.
 
+use crate::Params;
 use crate::dots::Dot;
 use crate::tracker::Hint;
-use crate::Params;
 
 /// How fast the usual area follows a dot that is all there, and one that seems partly hidden.
 const AREA_RATES: [f64; 2] = [0.1, 0.005];

@@ -193,11 +193,9 @@ impl Tracker {
         let candidates: Vec<Vec<usize>> =
             predictions.iter().map(|p| p.as_ref().map_or(Vec::new(), reach)).collect();
         let mut wanted = vec![0u32; all.len()];
-        for (dot, prediction) in predictions
-            .iter()
-            .flatten()
-            .flat_map(|p| all.iter().enumerate().filter(|(_, dot)| p.reaches(dot.spot.at)).map(move |d| (d.0, p)))
-        {
+        for (dot, prediction) in predictions.iter().flatten().flat_map(|p| {
+            all.iter().enumerate().filter(|(_, dot)| p.reaches(dot.spot.at)).map(move |d| (d.0, p))
+        }) {
             wanted[dot] += u32::from(!prediction.guided || prediction.facing);
         }
         let (mut places, mut surprises, mut moves) = (Vec::new(), Vec::new(), Vec::new());
@@ -294,10 +292,8 @@ fn check_label(found: &[Blob], marker: &str, at: [f64; 2]) -> Result<(), Error> 
     let nearest = found.iter().map(|blob| (distance(blob), blob)).min_by(|a, b| a.0.total_cmp(&b.0));
     match nearest {
         Some((distance, _)) if distance <= LABEL_REACH_PX => Ok(()),
-        other => Err(Error::NoBlob {
-            marker: marker.to_string(),
-            at,
-            nearest: other.map(|(_, blob)| blob.middle),
-        }),
+        other => {
+            Err(Error::NoBlob { marker: marker.to_string(), at, nearest: other.map(|(_, blob)| blob.middle) })
+        }
     }
 }

@@ -30,12 +30,7 @@ pub(crate) struct Plan<'a> {
 }
 
 /// Follows the markers from the frame at `first` to both ends of the take.
-pub(crate) fn follow(
-    run: &mut Run,
-    cameras: &mut [Camera],
-    plan: &Plan,
-    first: usize,
-) -> anyhow::Result<()> {
+pub(crate) fn follow(run: &mut Run, cameras: &mut [Camera], plan: &Plan, first: usize) -> anyhow::Result<()> {
     let starts: Vec<Tracker> = cameras.iter().map(|camera| camera.tracker.clone()).collect();
     let forward: Vec<usize> = (first + 1..plan.numbers.len()).collect();
     let backward: Vec<usize> = (0..first).rev().collect();
@@ -79,8 +74,8 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
 fn read_step(camera: &Camera, plan: &Plan, index: usize) -> anyhow::Result<Step> {
     let Some(path) = &camera.images.paths[index] else { return Ok(None) };
     let image = Image::read(path, camera.images.size)?;
-    let hints = plan.guide.map(|guide| {
-        guide.hints(plan.numbers[index], &camera.id, camera.images.size, plan.markers)
-    });
+    let hints = plan
+        .guide
+        .map(|guide| guide.hints(plan.numbers[index], &camera.id, camera.images.size, plan.markers));
     Ok(Some((image, hints.transpose()?.flatten())))
 }

@@ -36,7 +36,8 @@ impl Guide {
                 path.display()
             );
         }
-        let frames = trajectories.frames.iter().enumerate().map(|(index, frame)| (frame.frame, index)).collect();
+        let frames =
+            trajectories.frames.iter().enumerate().map(|(index, frame)| (frame.frame, index)).collect();
         Ok(Self { trajectories, rig, path: path.into(), cameras: cameras.into(), frames })
     }
 

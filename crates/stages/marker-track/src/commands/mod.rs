@@ -1,8 +1,8 @@
 //! The subcommands.
 
 mod detect;
-mod footage;
 mod follow;
+mod footage;
 mod guide;
 mod show;
 mod track;

@@ -129,7 +129,10 @@ fn start(
     for (id, places) in &labels.cameras {
         let images = footage.camera(id)?;
         let Some(path) = &images.paths[first] else {
-            bail!("{file}, camera {id}: has no image of frame {}\n  to do: label another frame", labels.frame);
+            bail!(
+                "{file}, camera {id}: has no image of frame {}\n  to do: label another frame",
+                labels.frame
+            );
         };
         let image = Image::read(path, images.size)?;
         let tracker = Tracker::start(&image.picture()?, &images.transfer, markers, places, params)
@@ -144,7 +147,11 @@ fn start(
     Ok(cameras)
 }
 
-fn read_edits(run: &mut Run, arguments: &Arguments, header: &Tracks2dHeader) -> anyhow::Result<Option<Edits>> {
+fn read_edits(
+    run: &mut Run,
+    arguments: &Arguments,
+    header: &Tracks2dHeader,
+) -> anyhow::Result<Option<Edits>> {
     let Some(path) = &arguments.edits else { return Ok(None) };
     let text = artifact::read_text(path)?;
     run.input("edits", path)?;
