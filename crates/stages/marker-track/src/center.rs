@@ -14,8 +14,8 @@ const FADE: usize = 2;
 const RING: usize = 3;
 /// Dots are smaller than this on either side, px.
 const LARGEST: usize = 96;
-/// A pixel's cover, as measured; noise and gleams beyond are cut.
-const COVER: [f64; 2] = [-0.25, 1.4];
+/// Less cover than this is taken for what the surroundings were mistaken by; what is beyond full cover, and a gleam, is cut.
+const COVER: [f64; 2] = [0.12, 1.4];
 /// Rounds in which a patch of touching dots is shared out.
 const ROUNDS: usize = 6;
 
@@ -104,7 +104,7 @@ impl Patch {
         for (index, (part, color)) in parts.iter().zip(&colors).enumerate() {
             if *part == Part::Own {
                 let [x, y] = window.place(index);
-                pixels.push([x, y, around.cover(color, offset(index)).clamp(COVER[0], COVER[1])]);
+                pixels.push([x, y, certain(around.cover(color, offset(index)))]);
             }
         }
         Some(Self { pixels })
@@ -138,6 +138,11 @@ impl Patch {
         }
         found
     }
+}
+
+/// The part of a measured cover that is surely paint, stretched so that full cover stays full.
+fn certain(cover: f64) -> f64 {
+    (cover.clamp(COVER[0], COVER[1]) - COVER[0]) / (1.0 - COVER[0])
 }
 
 fn centroid<'a>(pixels: impl Iterator<Item = &'a [f64; 3]>) -> Option<Spot> {

@@ -14,6 +14,8 @@ const FOREIGN_NOISE: f64 = 4.0;
 const FOREIGN: f64 = 0.05;
 /// Fewer foreign pixels are noise.
 const FOREIGN_PIXELS: usize = 3;
+/// What stands out by this share of what stands out most is foreign through and through, no mixture.
+const PURE: f64 = 0.7;
 /// Hues are alike within 7°, cosine.
 const ALIKE: f64 = 0.9925;
 /// Residuals beyond this many middle ones are left out of the planes.
@@ -71,12 +73,13 @@ impl Surroundings {
         let near: Vec<Sample> =
             (0..parts.len()).filter(|&i| parts[i] != Part::Other).map(|i| sample(&i)).collect();
         let slope = |above: bool| {
-            let foreign = near.iter().filter(|s| s[3].abs() > limit && (s[3] > 0.0) == above);
+            let side = || near.iter().filter(|s| (s[3] > 0.0) == above);
+            let purest = side().map(|s| s[3].abs()).fold(0.0, f64::max);
             let add = |(n, sum, square): (usize, f64, f64), s: &Sample| {
                 let off = s[2] - bare.dot(&Vector3::new(1.0, s[0], s[1]));
-                let weight = s[3] * s[3];
-                (n + 1, sum + weight * off * s[3], square + weight * s[3] * s[3])
+                (n + 1, sum + off * s[3], square + s[3] * s[3])
             };
+            let foreign = side().filter(|s| s[3].abs() > limit.max(PURE * purest));
             let (count, sum, square) = foreign.fold((0, 0.0, 0.0), add);
             if count < FOREIGN_PIXELS { 0.0 } else { sum / square }
         };
