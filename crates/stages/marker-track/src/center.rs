@@ -15,7 +15,7 @@ const RING: usize = 3;
 /// Dots are smaller than this on either side, px.
 const LARGEST: usize = 96;
 /// Less cover than this is taken for what the surroundings were mistaken by; what is beyond full cover, and a gleam, is cut.
-const COVER: [f64; 2] = [0.12, 1.4];
+const COVER: [f64; 2] = [0.15, 1.4];
 /// Rounds in which a patch of touching dots is shared out.
 const ROUNDS: usize = 6;
 

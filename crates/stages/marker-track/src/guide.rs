@@ -10,7 +10,7 @@ use std::num::NonZero;
 const PATCH: NonZero<usize> = NonZero::new(9).unwrap();
 /// Skin turned further than this from the view is not looked for, cosine of the angle; dots are seen up to 70°, and a
 /// patch of markers is flatter than the skin.
-const LEAST_COSINE: f64 = 0.1;
+const LEAST_COSINE: f64 = 0.2;
 
 /// Per marker its place in a camera's image, and whether its skin faces the camera; none for one that is missing, behind the
 /// camera or outside the image. `points`: world, mm.

@@ -20,8 +20,8 @@ const PURE: f64 = 0.7;
 const ALIKE: f64 = 0.9925;
 /// Residuals beyond this many middle ones are left out of the planes.
 const OUTLIER: f64 = 4.0;
-/// Light across a dot may change by this much against its middle.
-const LIGHT_CHANGE: [f64; 2] = [0.5, 2.0];
+/// Light across a dot changes by this much against its middle; what changes more is no light, but a border.
+const LIGHT_CHANGE: [f64; 2] = [0.87, 1.15];
 
 /// What surrounds a dot, and what follows for the measure of cover.
 ///

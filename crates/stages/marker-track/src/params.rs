@@ -28,8 +28,8 @@ impl Default for Params {
             gate: 0.5,
             least_gate_px: 4.0,
             most_gate_px: 16.0,
-            guide_gate_px: 3.0,
-            least_share: 0.3,
+            guide_gate_px: 2.0,
+            least_share: 0.4,
         }
     }
 }

@@ -108,7 +108,7 @@ impl Track {
         let surprise = 0.5 + 0.5 * (-2.0 * off * off).exp();
         self.confidence = (share.min(1.0) * trust * surprise).clamp(LEAST_CONFIDENCE, 1.0);
         if !dot.shared {
-            let whole = share >= WHOLE[0] && share <= WHOLE[1];
+            let whole = (WHOLE[0]..=WHOLE[1]).contains(&share);
             let rate = AREA_RATES[usize::from(!whole)];
             self.area = Some(self.area.map_or(dot.spot.area, |usual| usual + rate * (dot.spot.area - usual)));
         }

@@ -1,5 +1,7 @@
 //! The program: a small take from files to tracks, and bad input.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::disallowed_methods, reason = "tests may")]
+
 mod scene;
 
 use artifact::picture::write_rgb8;

@@ -1,5 +1,7 @@
 //! Laws: known sub-pixel motion is recovered; a constant gain changes nothing; time runs both ways.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::disallowed_methods, reason = "tests may")]
+
 mod scene;
 
 use artifact::{Sample2d, TrackState};
