@@ -78,8 +78,8 @@ pub(crate) enum Part {
 /// The painted pixels of a blob and of its fading rim, with the share of each that is paint.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
-    /// x, y, cover.
-    pixels: Vec<[f64; 3]>,
+    /// x, y, the cover that is surely paint, cover as measured.
+    pixels: Vec<[f64; 4]>,
 }
 
 impl Patch {
@@ -104,7 +104,8 @@ impl Patch {
         for (index, (part, color)) in parts.iter().zip(&colors).enumerate() {
             if *part == Part::Own {
                 let [x, y] = window.place(index);
-                pixels.push([x, y, certain(around.cover(color, offset(index)))]);
+                let cover = around.cover(color, offset(index));
+                pixels.push([x, y, certain(cover), cover.clamp(0.0, 1.0)]);
             }
         }
         Some(Self { pixels })
@@ -119,7 +120,7 @@ impl Patch {
     /// circle it lies deepest (power distance), in rounds.
     pub(crate) fn share(&self, dots: &[Spot]) -> Vec<Option<Spot>> {
         let mut spots = dots.to_vec();
-        let nearest = |spots: &[Spot], pixel: &[f64; 3]| {
+        let nearest = |spots: &[Spot], pixel: &[f64; 4]| {
             let power = |spot: &Spot| {
                 (pixel[0] - spot.at[0]).powi(2) + (pixel[1] - spot.at[1]).powi(2)
                     - spot.area / std::f64::consts::PI
@@ -145,14 +146,15 @@ fn certain(cover: f64) -> f64 {
     (cover.clamp(COVER[0], COVER[1]) - COVER[0]) / (1.0 - COVER[0])
 }
 
-fn centroid<'a>(pixels: impl Iterator<Item = &'a [f64; 3]>) -> Option<Spot> {
-    let [mut area, mut x, mut y] = [0.0; 3];
-    for [px, py, cover] in pixels {
+fn centroid<'a>(pixels: impl Iterator<Item = &'a [f64; 4]>) -> Option<Spot> {
+    let [mut sure, mut area, mut x, mut y] = [0.0; 4];
+    for [px, py, weight, cover] in pixels {
+        sure += weight;
         area += cover;
-        x += cover * px;
-        y += cover * py;
+        x += weight * px;
+        y += weight * py;
     }
-    (area > 0.2).then(|| Spot { at: [x / area, y / area], area })
+    (sure > 0.2).then(|| Spot { at: [x / sure, y / sure], area })
 }
 
 /// The part of the image around a blob.
