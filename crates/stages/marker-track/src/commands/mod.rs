@@ -1,0 +1,45 @@
+//! The subcommands.
+
+mod detect;
+mod follow;
+mod footage;
+mod guide;
+mod show;
+mod track;
+
+use clap::{Parser, Subcommand};
+use stage::Run;
+
+/// Follows painted markers through the images of each camera
+///
+/// Number the dots of one frame with `detect`, write their names into a labels file, `track` them, and look at the tracks
+/// with `show`.
+#[derive(Parser)]
+#[command(name = "marker-track", version)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: stage::Common,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Track(Box<track::Arguments>),
+    Detect(detect::Arguments),
+    Show(show::Arguments),
+}
+
+impl stage::Arguments for Arguments {
+    fn common(&self) -> &stage::Common {
+        &self.common
+    }
+}
+
+pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
+    match arguments.command {
+        Command::Track(arguments) => track::run(run, &arguments),
+        Command::Detect(arguments) => detect::run(run, &arguments),
+        Command::Show(arguments) => show::run(run, &arguments),
+    }
+}

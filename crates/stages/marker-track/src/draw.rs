@@ -1,0 +1,93 @@
+//! Pictures to look at: dots with numbers, tracks with tails.
+
+use crate::Picture;
+
+/// Columns of the digits 0–9, five rows of three pixels each, the top row in the highest bits.
+const DIGITS: [u16; 10] = [
+    0b111_101_101_101_111,
+    0b010_110_010_010_111,
+    0b111_001_111_100_111,
+    0b111_001_111_001_111,
+    0b101_101_111_001_001,
+    0b111_100_111_001_111,
+    0b111_100_111_101_111,
+    0b111_001_010_010_010,
+    0b111_101_111_101_111,
+    0b111_101_111_001_111,
+];
+
+/// A picture to draw on: an image, enlarged.
+#[derive(Debug, Clone)]
+pub struct Canvas {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green and blue of each pixel.
+    pub rgb: Vec<u8>,
+    scale: usize,
+}
+
+impl Canvas {
+    /// An image, each of its pixels `scale` × `scale` large.
+    #[must_use]
+    pub fn enlarged(picture: &Picture, scale: usize) -> Self {
+        let scale = scale.max(1);
+        let (width, height) = (picture.width * scale, picture.height * scale);
+        let mut rgb = Vec::with_capacity(3 * width * height);
+        for y in 0..height {
+            rgb.extend((0..width).flat_map(|x| picture.at(x / scale, y / scale)));
+        }
+        Self { width, height, rgb, scale }
+    }
+
+    /// A place of the image on the canvas.
+    fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        at.map(|x| (x + 0.5) * self.scale as f64 - 0.5)
+    }
+
+    fn set(&mut self, x: i64, y: i64, color: [u8; 3]) {
+        if (0..self.width as i64).contains(&x) && (0..self.height as i64).contains(&y) {
+            let first = 3 * (y as usize * self.width + x as usize);
+            self.rgb[first..first + 3].copy_from_slice(&color);
+        }
+    }
+
+    /// A line between two places of the image.
+    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], color: [u8; 3]) {
+        let (from, to) = (self.place(from), self.place(to));
+        let steps = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()).ceil().clamp(1.0, 1e5);
+        for step in 0..=steps as usize {
+            let share = step as f64 / steps;
+            let [x, y] = [0, 1].map(|k| (from[k] + share * (to[k] - from[k])).round() as i64);
+            self.set(x, y, color);
+        }
+    }
+
+    /// A cross of `half` canvas pixels to each side.
+    pub fn cross(&mut self, at: [f64; 2], half: i64, color: [u8; 3]) {
+        let [x, y] = self.place(at).map(|x| x.round() as i64);
+        for step in -half..=half {
+            self.set(x + step, y, color);
+            self.set(x, y + step, color);
+        }
+    }
+
+    /// A number beside a place of the image, on a dark ground.
+    pub fn number(&mut self, at: [f64; 2], number: usize, color: [u8; 3]) {
+        let [x, y] = self.place(at).map(|x| x.round() as i64);
+        let digits: Vec<usize> = number.to_string().bytes().map(|byte| usize::from(byte - b'0')).collect();
+        let (left, top) = (x + 5, y - 12);
+        for row in -2..12 {
+            (-2..8 * digits.len() as i64).for_each(|column| self.set(left + column, top + row, [20, 20, 20]));
+        }
+        for (index, digit) in digits.into_iter().enumerate() {
+            for bit in (0..15).filter(|bit| DIGITS[digit] >> (14 - bit) & 1 == 1) {
+                let (column, row) = (left + 8 * index as i64 + 2 * (bit % 3), top + 2 * (bit / 3));
+                for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                    self.set(column + dx, row + dy, color);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Follows painted markers through the images of each camera.
+//!
+//! A [`Tracker`] starts at an image whose markers a person has labelled, learns what the paint looks like ([`Paint`]), and then goes
+//! from image to image, forwards or backwards in time:
+//!
+//! 1. *Predict*: each marker moves on at constant velocity, corrected by the local affine motion of its neighbours, or stands
+//!    where 3D markers of a first pass say ([`hints`]).
+//! 2. *Find*: painted pixels around the predictions, by a table over ratios of linear light; connected patches; the centroid of
+//!    the painted *area* of each, whatever the light and whatever the dot lies on. Touching dots are shared out.
+//! 3. *Assign*: one assignment of least total cost per image, not greedily.
+//! 4. *Remember*: a marker without a dot is predicted, goes with its neighbours, and is found again near its prediction.
+//!
+//! [`detect`] finds dots without names, [`Edits`] replays corrections made by hand.
+//!
+//! ```
+//! use marker_track::{Params, Picture, Tracker};
+//! // Blue dots on skin, which move by two pixels.
+//! let draw = |shift: usize| -> Vec<u8> {
+//!     let is_dot = |x: usize, y: usize| (x + 40 - shift) % 20 < 5 && y % 20 < 5 && x > 9 && y > 9;
+//!     let pixel = |i: usize| if is_dot(i % 80, i / 80) { [30, 60, 140] } else { [170, 135, 115] };
+//!     (0..80 * 60).flat_map(pixel).collect()
+//! };
+//! let (first, second) = (draw(0), draw(2));
+//! let labels = [("nose".to_string(), [42.0, 22.0]), ("chin".to_string(), [42.0, 42.0])].into();
+//! let markers = ["nose".to_string(), "chin".to_string()];
+//! let picture = Picture::new(80, 60, &first)?;
+//! let mut tracker = Tracker::start(&picture, "srgb", &markers, &labels, &Params::default())?;
+//! let samples = tracker.step(&Picture::new(80, 60, &second)?, 1.0, None)?;
+//! let nose = samples[0].unwrap();
+//! assert!((nose.at.x - 44.0).abs() < 0.1 && (nose.at.y - 22.0).abs() < 0.1);
+//! # Ok::<(), marker_track::Error>(())
+//! ```
+
+mod assign;
+mod blobs;
+mod center;
+mod detect;
+mod dots;
+mod draw;
+mod edits;
+mod error;
+mod guide;
+mod matching;
+mod matte;
+mod paint;
+mod params;
+mod picture;
+mod predict;
+mod track;
+mod tracker;
+mod transfer;
+
+pub use detect::{Found, detect, places_of_color};
+pub use draw::Canvas;
+pub use edits::Edits;
+pub use error::Error;
+pub use guide::hints;
+pub use paint::Paint;
+pub use params::Params;
+pub use picture::Picture;
+pub use tracker::{Hint, Tracker};
+pub use transfer::linear_light;

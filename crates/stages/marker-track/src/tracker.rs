@@ -1,0 +1,299 @@
+//! From image to image: predict, find dots, assign them, and remember.
+
+use crate::blobs::{self, Area, Blob};
+use crate::center::{Owners, Patch};
+use crate::dots::{Dot, dots};
+use crate::matching::{Matches, match_tracks};
+use crate::paint::Paint;
+use crate::picture::Picture;
+use crate::predict::MotionField;
+use crate::track::{Prediction, Track};
+use crate::{Error, Params};
+use artifact::{Sample2d, TrackState};
+use nalgebra::Point2;
+use std::collections::BTreeMap;
+
+/// How far from a label its dot may be, px.
+const LABEL_REACH_PX: f64 = 3.0;
+/// Room in a search window beyond the gate: the dot itself, its fading rim, the skin around, px.
+const MARGIN_PX: f64 = 10.0;
+
+/// Where the 3D markers say that a marker is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hint {
+    /// The reprojected place, px.
+    pub at: [f64; 2],
+    /// Whether the skin there faces the camera, so that the dot can be seen.
+    pub facing: bool,
+}
+
+/// Follows the markers of one camera, image by image, forwards or backwards in time.
+#[derive(Debug, Clone)]
+pub struct Tracker {
+    params: Params,
+    paint: Paint,
+    size: [usize; 2],
+    tracks: Vec<Track>,
+    owners: Owners,
+}
+
+impl Tracker {
+    /// Starts at the labelled image. `markers` are the ids in the order of the samples; `labels` holds the place of each that is
+    /// labelled, px; `transfer` names the transfer function of the images' codes.
+    ///
+    /// # Errors
+    /// Labels outside the image or on no dot; those of [`Paint::learn`].
+    pub fn start(
+        picture: &Picture,
+        transfer: &str,
+        markers: &[String],
+        labels: &BTreeMap<String, [f64; 2]>,
+        params: &Params,
+    ) -> Result<Self, Error> {
+        params.check()?;
+        let size = [picture.width, picture.height];
+        if let Some((marker, at)) = labels.iter().find(|(_, at)| !picture.contains(**at)) {
+            return Err(Error::Outside { marker: marker.clone(), at: *at, size });
+        }
+        let places: Vec<[f64; 2]> = labels.values().copied().collect();
+        let paint = Paint::learn(picture, transfer, &places, params.least_coverage)?;
+        let found = blobs::find(picture, &paint, &Area::everything(picture));
+        let mut tracker = Self {
+            params: params.clone(),
+            paint,
+            size,
+            tracks: vec![Track::default(); markers.len()],
+            owners: Owners::default(),
+        };
+        let named: Vec<(usize, [f64; 2])> = markers
+            .iter()
+            .enumerate()
+            .filter_map(|(track, id)| labels.get(id).map(|at| (track, *at)))
+            .collect();
+        for (track, at) in &named {
+            check_label(&found, &markers[*track], *at)?;
+        }
+        let predictions: Vec<Option<Prediction>> = tracker
+            .tracks
+            .iter()
+            .enumerate()
+            .map(|(track, _)| {
+                let label = named.iter().find(|(named, _)| *named == track);
+                label.map(|(_, at)| Prediction::at(*at, 2.0 * LABEL_REACH_PX))
+            })
+            .collect();
+        tracker.follow(picture, &found, predictions, 0.0);
+        // A label without a measurable dot still stands where it was put.
+        for (track, at) in named {
+            if !tracker.tracks[track].alive {
+                tracker.tracks[track].set(at);
+            }
+        }
+        Ok(tracker)
+    }
+
+    /// What the paint looks like.
+    #[must_use]
+    pub fn paint(&self) -> &Paint {
+        &self.paint
+    }
+
+    /// The samples of the latest image: per marker its place; none for one that was never found.
+    #[must_use]
+    pub fn samples(&self) -> Vec<Option<Sample2d>> {
+        let sample = |track: &Track| {
+            let state = if track.hidden > 0.0 { TrackState::Predicted } else { TrackState::Seen };
+            let at = Point2::from(track.at);
+            track.alive.then_some(Sample2d { at, state, confidence: track.confidence })
+        };
+        self.tracks.iter().map(sample).collect()
+    }
+
+    /// Goes on to another image, `frames` frames away. `hints` are reprojected 3D markers, if there are any, one per marker.
+    ///
+    /// # Errors
+    /// [`Error::ImageSize`] if the image has another size than the labelled one.
+    pub fn step(
+        &mut self,
+        picture: &Picture,
+        frames: f64,
+        hints: Option<&[Option<Hint>]>,
+    ) -> Result<Vec<Option<Sample2d>>, Error> {
+        let found = [picture.width, picture.height];
+        if found != self.size {
+            return Err(Error::ImageSize { found, wanted: self.size });
+        }
+        let predictions = self.predict(frames, hints);
+        let mut area = Area::nothing(picture);
+        for prediction in predictions.iter().flatten() {
+            area.add(prediction.at, prediction.gate + prediction.radius + MARGIN_PX);
+        }
+        let found = blobs::find(picture, &self.paint, &area);
+        self.follow(picture, &found, predictions, frames);
+        self.leave_image();
+        Ok(self.samples())
+    }
+
+    /// Where each track should be, and how far from there it is looked for.
+    fn predict(&self, frames: f64, hints: Option<&[Option<Hint>]>) -> Vec<Option<Prediction>> {
+        let hint = |track: usize| hints.and_then(|hints| hints[track]);
+        let mut predictions: Vec<Option<Prediction>> = self
+            .tracks
+            .iter()
+            .enumerate()
+            .map(|(index, track)| match hint(index) {
+                Some(hint) => Some(track.guided(hint, self.params.guide_gate_px)),
+                None => track.alive.then(|| track.predicted(frames)),
+            })
+            .collect();
+        let places: Vec<[f64; 2]> = predictions.iter().flatten().map(|p| p.at).collect();
+        for (track, prediction) in self.tracks.iter().zip(&mut predictions) {
+            if let Some(prediction) = prediction.as_mut().filter(|p| !p.guided) {
+                let at = prediction.at;
+                let others = places.iter().map(|p| (p[0] - at[0]).hypot(p[1] - at[1])).filter(|d| *d > 0.0);
+                let spacing = others.fold(f64::INFINITY, f64::min);
+                prediction.gate = track.gate(spacing, frames, &self.params);
+            }
+        }
+        predictions
+    }
+
+    /// Finds the dots of the predictions among the patches, and updates the tracks.
+    fn follow(
+        &mut self,
+        picture: &Picture,
+        found: &[Blob],
+        mut predictions: Vec<Option<Prediction>>,
+        frames: f64,
+    ) {
+        self.owners.enter(picture, found);
+        let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions);
+        let all = dots(&patches, found, &[]);
+        let motion = self.sure_motion(&all, &mut predictions);
+        let all = dots(&patches, found, &predictions);
+        let mut matches = match_tracks(&predictions, &self.tracks, all, &self.params);
+        self.mend(picture, found, &mut patches, &mut matches);
+        self.owners.leave(found);
+        for (index, track) in self.tracks.iter_mut().enumerate() {
+            let Some(prediction) = &predictions[index] else { continue };
+            match matches.dot_of[index].map(|dot| &matches.dots[dot]) {
+                Some(dot) => track.see(dot, prediction, frames),
+                None => track.miss(prediction, frames, motion.at(track.at)),
+            }
+        }
+    }
+
+    /// Moves the predictions by what the markers around them did: those with one dot in reach that nobody else has in reach
+    /// tell. Returns how they moved since the image before.
+    fn sure_motion(&self, all: &[Dot], predictions: &mut [Option<Prediction>]) -> MotionField {
+        let reach = |p: &Prediction| {
+            let near = all.iter().enumerate().filter(|(_, dot)| p.reaches(dot.spot.at)).map(|(i, _)| i);
+            near.take(2).collect::<Vec<_>>()
+        };
+        let candidates: Vec<Vec<usize>> =
+            predictions.iter().map(|p| p.as_ref().map_or(Vec::new(), reach)).collect();
+        let mut wanted = vec![0u32; all.len()];
+        for (dot, prediction) in predictions.iter().flatten().flat_map(|p| {
+            all.iter().enumerate().filter(|(_, dot)| p.reaches(dot.spot.at)).map(move |d| (d.0, p))
+        }) {
+            wanted[dot] += u32::from(!prediction.guided || prediction.facing);
+        }
+        let (mut places, mut surprises, mut moves) = (Vec::new(), Vec::new(), Vec::new());
+        for ((track, prediction), candidates) in self.tracks.iter().zip(predictions.iter()).zip(&candidates) {
+            let (Some(prediction), [dot]) = (prediction, candidates.as_slice()) else { continue };
+            if wanted[*dot] == 1 && track.alive && track.hidden == 0.0 {
+                let at = all[*dot].spot.at;
+                places.push(track.at);
+                surprises.push(std::array::from_fn(|k| at[k] - prediction.at[k]));
+                moves.push(std::array::from_fn(|k| at[k] - track.at[k]));
+            }
+        }
+        let surprise = MotionField::new(places.clone(), surprises);
+        let motion = MotionField::new(places, moves);
+        for (track, prediction) in self.tracks.iter().zip(predictions) {
+            let Some(prediction) = prediction.as_mut().filter(|p| !p.guided && track.alive) else { continue };
+            let field = if track.hidden > 0.0 { &motion } else { &surprise };
+            if let Some(by) = field.at(track.at) {
+                prediction.at = std::array::from_fn(|k| prediction.at[k] + by[k]);
+            }
+        }
+        motion
+    }
+
+    /// Puts dots together that fell into pieces: a matched dot that lacks area takes a piece beside it that nobody has.
+    fn mend(&self, picture: &Picture, found: &[Blob], patches: &mut [Option<Patch>], matches: &mut Matches) {
+        let taken: Vec<bool> = {
+            let mut taken = vec![false; found.len()];
+            matches.dot_of.iter().flatten().for_each(|&dot| taken[matches.dots[dot].blob] = true);
+            taken
+        };
+        for (track, dot) in self.tracks.iter().zip(&matches.dot_of) {
+            let Some(dot) = dot.map(|dot| &mut matches.dots[dot]) else { continue };
+            let Some(usual) = track.area.filter(|usual| dot.spot.area < 0.75 * usual && !dot.shared) else {
+                continue;
+            };
+            let reach = (usual / std::f64::consts::PI).sqrt() + 2.5;
+            let piece = (0..found.len()).filter(|&i| !taken[i] && patches[i].is_some()).find(|&i| {
+                let middle = found[i].middle;
+                (middle[0] - dot.spot.at[0]).hypot(middle[1] - dot.spot.at[1]) < reach
+            });
+            let Some(piece) = piece else { continue };
+            let whole = found[dot.blob].with(&found[piece]);
+            let numbers = [dot.blob, piece];
+            let patch = Patch::cut(picture, &self.paint, &self.owners, &whole, &numbers);
+            if let Some(spot) = patch.and_then(|patch| patch.spot()).filter(|spot| spot.area < 1.2 * usual) {
+                dot.spot = spot;
+                patches[piece] = None;
+            }
+        }
+    }
+
+    /// Forgets hidden markers whose prediction has left the image.
+    fn leave_image(&mut self) {
+        let [width, height] = self.size.map(|side| side as f64);
+        for track in self.tracks.iter_mut().filter(|track| track.hidden > 0.0) {
+            let [x, y] = track.at;
+            track.alive &= (-0.5..width - 0.5).contains(&x) && (-0.5..height - 0.5).contains(&y);
+        }
+    }
+}
+
+/// The patches that a prediction may want.
+fn cut_near(
+    picture: &Picture,
+    paint: &Paint,
+    owners: &Owners,
+    found: &[Blob],
+    predictions: &[Option<Prediction>],
+) -> Vec<Option<Patch>> {
+    let wanted = |blob: &Blob| {
+        let [left, top, right, bottom] = blob.bounds.map(f64::from);
+        let beside = |x: f64, low: f64, high: f64, reach: f64| x >= low - reach && x <= high + reach;
+        predictions.iter().flatten().any(|p| {
+            let reach = p.gate + p.radius + 2.0;
+            beside(p.at[0], left, right, reach) && beside(p.at[1], top, bottom, reach)
+        })
+    };
+    let cut = |(number, blob): (usize, &Blob)| match wanted(blob) {
+        true => Patch::cut(picture, paint, owners, blob, &[number]),
+        false => None,
+    };
+    found.iter().enumerate().map(cut).collect()
+}
+
+fn check_label(found: &[Blob], marker: &str, at: [f64; 2]) -> Result<(), Error> {
+    let distance = |blob: &Blob| {
+        let to_run = |run: &blobs::Run| {
+            let x = at[0].clamp(f64::from(run.first), f64::from(run.end - 1));
+            (x - at[0]).hypot(f64::from(run.y) - at[1])
+        };
+        blob.runs.iter().map(to_run).fold(f64::INFINITY, f64::min)
+    };
+    let nearest = found.iter().map(|blob| (distance(blob), blob)).min_by(|a, b| a.0.total_cmp(&b.0));
+    match nearest {
+        Some((distance, _)) if distance <= LABEL_REACH_PX => Ok(()),
+        other => {
+            Err(Error::NoBlob { marker: marker.to_string(), at, nearest: other.map(|(_, blob)| blob.middle) })
+        }
+    }
+}
