@@ -17,8 +17,9 @@ const SEARCH_EXPOSURES: usize = 1500;
 const WINDOW_EXPOSURES: usize = 400;
 /// Fewer pairs of changes tell nothing.
 const LEAST_PAIRS: usize = 60;
-/// By how much the best lag must be likelier than the usual one, nats: e²⁰ over some thousand lags.
-const LEAST_NATS: f64 = 20.0;
+/// By how much the best lag must be likelier than the usual one, nats. Unrelated noise of 12 × 12 components scatters by
+/// √(144 / 2), by √2 more for changes that overlap: six times that.
+const LEAST_NATS: f64 = 72.0;
 /// Steps of the fine search, mocap frames.
 const FINE: f64 = 0.25;
 /// How far from where it is expected a window's lag is looked for, mocap frames.

@@ -1,7 +1,7 @@
 //! How a camera's coarse picture changes: its main components over the exposures.
 
 use crate::timeline::Paced;
-use crate::{CELL_COUNT, Error};
+use crate::{CELL_COUNT, Error, flash};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Components kept: a face, a head and what hangs on them move in about so many ways.
@@ -11,7 +11,7 @@ pub(crate) type Point = [f64; COMPONENTS];
 
 /// The main components of a camera's pictures.
 pub(crate) struct Course {
-    /// By exposure; none where it was dropped.
+    /// By exposure; none where it was dropped, or where a flash hides what moves.
     points: Vec<Option<Point>>,
 }
 
@@ -31,8 +31,9 @@ impl Course {
         let axes = main_axes(&cells, &mean);
         let count = camera.cadence.exposures.last().map_or(0, |last| last + 1);
         let mut points = vec![None; usize::try_from(count).unwrap_or(0)];
+        let lit = flash::lit(camera);
         for (i, (row, exposure)) in cells.iter().zip(&camera.cadence.exposures).enumerate() {
-            if !camera.cadence.repeats[i] {
+            if !(camera.cadence.repeats[i] || lit[i]) {
                 points[*exposure as usize] = Some(std::array::from_fn(|axis| {
                     (0..CELL_COUNT).map(|cell| axes[(cell, axis)] * (f64::from(row[cell]) - mean[cell])).sum()
                 }));

@@ -59,10 +59,36 @@ pub(crate) fn timelines(
 
 /// The starts of a camera's flashes.
 fn onsets(camera: &Paced) -> Result<Vec<Onset>, Error> {
-    let images = &camera.recording.images;
-    let light: Option<Vec<f64>> = images.iter().map(|image| Some(image.reading.as_ref()?.light)).collect();
-    let light = light.ok_or_else(|| Error::NotRead(camera.id().to_string()))?;
-    let dark = median(&light);
+    let light = lights(camera).ok_or_else(|| Error::NotRead(camera.id().to_string()))?;
+    let onset = |flash: &Flash| onset(&camera.cadence.exposures, &light, flash);
+    let found: Vec<Onset> = flashes(&light).iter().map(onset).collect();
+    if found.is_empty() { Err(Error::NoFlash(camera.id().to_string())) } else { Ok(found) }
+}
+
+fn lights(camera: &Paced) -> Option<Vec<f64>> {
+    camera.recording.images.iter().map(|image| Some(image.reading.as_ref()?.light)).collect()
+}
+
+/// Images that a flash lights up, and their neighbours, which it may light a little: per image.
+pub(crate) fn lit(camera: &Paced) -> Vec<bool> {
+    let mut lit = vec![false; camera.recording.images.len()];
+    for flash in lights(camera).map(|light| flashes(&light)).unwrap_or_default() {
+        lit[flash.images.start - 1..(flash.images.end + 1).min(camera.recording.images.len())].fill(true);
+    }
+    lit
+}
+
+/// A flash in a camera's images.
+struct Flash {
+    /// The images that it lights up; the first is not the camera's first.
+    images: std::ops::Range<usize>,
+    /// Light without it, and how much it adds to its brightest image.
+    dark: f64,
+    peak: f64,
+}
+
+fn flashes(light: &[f64]) -> Vec<Flash> {
+    let dark = median(light);
     let spread = 1.4826 * median(&light.iter().map(|light| (light - dark).abs()).collect::<Vec<_>>());
     let least = (LEAST_RISE * dark).max(LEAST_SPREADS * spread);
     let mut found = Vec::new();
@@ -75,18 +101,17 @@ fn onsets(camera: &Paced) -> Result<Vec<Onset>, Error> {
         let end = (at..light.len()).find(|&i| light[i] - dark < 0.5 * least).unwrap_or(light.len());
         let peak = light[at..end].iter().copied().fold(0.0, f64::max) - dark;
         if peak >= least {
-            found.push(onset(&camera.cadence.exposures, &light, dark, at, peak));
+            found.push(Flash { images: at..end, dark, peak });
         }
-        at = end.max(at + 1);
+        at = end;
     }
-    if found.is_empty() { Err(Error::NoFlash(camera.id().to_string())) } else { Ok(found) }
+    found
 }
 
-fn onset(exposures: &[i64], light: &[f64], dark: f64, first: usize, peak: f64) -> Onset {
+fn onset(exposures: &[i64], light: &[f64], flash: &Flash) -> Onset {
+    let first = flash.images.start;
     let (before, at) = (exposures[first - 1] as f64, exposures[first] as f64);
-    // With one bright image nobody knows how bright the whole flash would have been.
-    let is_partial = light[first] - dark < WHOLE * peak;
-    match is_partial {
+    match light[first] - flash.dark < WHOLE * flash.peak {
         true => Onset { at, within: 0.1 },
         false => Onset { at: 0.5 * (before + at), within: 0.5 * (at - before) },
     }

@@ -76,7 +76,7 @@ fn shown(camera: &Paced) -> BTreeMap<i64, Shown> {
     shown
 }
 
-/// The frames from the take's first to the last that two of the mocap cameras show.
+/// The frames from the take's first to the last that a mocap camera shows.
 pub(crate) fn frames(
     cameras: &[Paced],
     lines: &[Timeline],
@@ -107,7 +107,5 @@ fn last_frame(cameras: &[Paced], lines: &[Timeline], header: &SyncHeader) -> i64
     let last = |c: usize| {
         lines[c].at(cameras[c].cadence.exposures.last().copied().unwrap_or(0) as f64).round() as i64
     };
-    let mut lasts: Vec<i64> = (0..cameras.len()).filter(|&c| every(c) == least).map(last).collect();
-    lasts.sort_unstable_by(|a, b| b.cmp(a));
-    lasts.get(1).or(lasts.first()).copied().unwrap_or(0)
+    (0..cameras.len()).filter(|&c| every(c) == least).map(last).max().unwrap_or(0)
 }
