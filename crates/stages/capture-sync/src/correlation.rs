@@ -20,6 +20,10 @@ const LEAST_PAIRS: usize = 60;
 /// By how much the best lag must be likelier than the usual one, nats. Unrelated noise of 12 × 12 components scatters by
 /// √(144 / 2), by √2 more for changes that overlap: six times that.
 const LEAST_NATS: f64 = 72.0;
+/// Exposures of the windows that are looked at for breaks in short takes.
+const BREAK_EXPOSURES: usize = 100;
+/// Share of a camera's exposures that may be lost without a trace and still be noticed.
+const BREAK_SHARE: f64 = 0.05;
 /// Steps of the fine search, mocap frames.
 const FINE: f64 = 0.25;
 /// How far from where it is expected a window's lag is looked for, mocap frames.
@@ -80,6 +84,10 @@ pub(crate) fn timelines(
                 reference: cameras[reference].id().to_string(),
                 correlation,
             })?;
+        if let Some(exposure) = pair.find_break(&line) {
+            let (camera, reference) = (cameras[c].id().to_string(), cameras[reference].id().to_string());
+            return Err(Error::Break { camera, reference, exposure });
+        }
         let (start, step) = (guess[reference].0 + line.at_zero, steps[c] + line.slope);
         Ok(Timeline { start, step, source, sigma_frames: Some(sigma) })
     };
@@ -141,6 +149,23 @@ impl Pair<'_> {
         let prior = (0.0, params.drift_prior_ppm * 1e-6 * self.step);
         let line = Line::fit(&points, &weights, Some(prior)).ok_or(0.0)?;
         Ok((line, weights.iter().sum::<f64>().sqrt().recip()))
+    }
+
+    /// An exposure near which images were lost that the cadence does not know of: a window whose changes are much likelier
+    /// whole frames beside the line than on it.
+    fn find_break(&self, line: &Line) -> Option<i64> {
+        let length = self.camera.len();
+        let count = (length / WINDOW_EXPOSURES).max((length / BREAK_EXPOSURES).min(6)).max(1);
+        let reach = ((BREAK_SHARE * length as f64) as i64).clamp(3, 30);
+        (0..count).into_par_iter().find_map_first(|w| {
+            let window = (w * length / count) as i64..((w + 1) * length / count) as i64;
+            let nats = |beside: i64| {
+                self.likeness(window.clone(), &|n| line.at(n as f64) + beside as f64 * self.step).nats
+            };
+            let on_line = nats(0);
+            let beside = (-reach..=reach).map(nats).fold(0.0, f64::max);
+            (beside > on_line + LEAST_NATS).then_some(window.start)
+        })
     }
 
     /// The lag where the camera moves most, by whole frames within the radius, then finely.

@@ -38,6 +38,18 @@ pub enum Error {
         /// The best that was found.
         correlation: f64,
     },
+    /// Images were lost, and nothing but what moves tells of it.
+    #[error(
+        "camera {camera}: falls out of step with camera {reference} near its exposure {exposure}: images were lost there"
+    )]
+    Break {
+        /// The camera.
+        camera: String,
+        /// The camera that it was compared with.
+        reference: String,
+        /// Where, about: exposures since its first image.
+        exposure: i64,
+    },
     /// No flash.
     #[error("camera {0}: no flash is seen in its images")]
     NoFlash(String),
@@ -79,6 +91,9 @@ impl Error {
             Self::Rate { .. } => "state the camera's true rate in the take manifest",
             Self::NoCorrelation { .. } => {
                 "say a larger --search-s, or --mode flash, stated or timestamps; a still or unseen face cannot be correlated"
+            }
+            Self::Break { .. } => {
+                "give time stamps, which say which images were lost, or number the image files by exposure"
             }
             Self::NoFlash(_) | Self::Flashes { .. } => {
                 "check that the flash is in every camera's footage, or say --mode correlation"

@@ -101,7 +101,10 @@ fn timelines(
                 coarse.iter().map(|(line, within)| (line.start, within + 1.0)).collect();
             let fine = correlation::timelines(cameras, &guess, clock.rate, params, SyncSource::Flash);
             // Where nothing moves, the flash alone must do.
-            let mut lines = fine.unwrap_or_else(|_| coarse.into_iter().map(|(line, _)| line).collect());
+            let mut lines = match fine {
+                Err(Error::NoCorrelation { .. }) => coarse.into_iter().map(|(line, _)| line).collect(),
+                other => other?,
+            };
             correlation::settle(&mut lines, cameras, clock.rate);
             Ok((lines, None))
         }

@@ -269,3 +269,15 @@ fn skew_is_lag_in_ms_and_mm() {
     assert!((skews["m3"].mean_ms - 5.0).abs() < 1e-2 && (skews["m3"].mean_mm.unwrap() - 1.0).abs() < 1e-2);
     assert!(skews["m1"].worst_ms.abs() < 1e-3);
 }
+
+/// Lost images of which neither stamps nor numbers tell are not shifted over.
+#[test]
+fn a_break_without_stamps_is_refused() {
+    let mut cameras = [Camera::new("m1", 1, 0.0, 0.0), Camera::new("m2", 1, 0.0, 0.0)];
+    let film = |cameras: &[Camera; 2]| [cameras[0].film(1200, true, 1), cameras[1].film(1200, true, 2)];
+    let params = Params { use_stamps: false, ..params(Mode::Correlation) };
+    assert!(synchronize(&clock(), &film(&cameras), &params).is_ok());
+    cameras[1].dropped = (600..612).collect();
+    let error = synchronize(&clock(), &film(&cameras), &params).err();
+    assert!(matches!(&error, Some(Error::Break { .. })), "{error:?}");
+}
