@@ -66,6 +66,8 @@ const CALLS: &[(&str, &[&str])] = &[
     ("virtual-rig", &["make", "--scenario", DOCUMENT, "--out", OUT]),
     ("virtual-rig", &["scenario", "--scenario", DOCUMENT, "--out", "out.json"]),
     ("virtual-rig", &["score", "tracks-2d", STREAM, "--truth", MISSING]),
+    ("capture-sync", &["run", DOCUMENT, "--out", OUT]),
+    ("capture-sync", &["check", STREAM]),
     // `house new-stage` adds here
 ];
 

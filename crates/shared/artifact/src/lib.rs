@@ -45,6 +45,7 @@ mod response_basis;
 mod sections;
 mod sync;
 mod take;
+mod timecode;
 mod tracks_2d;
 mod trajectories;
 mod valleys;
@@ -62,6 +63,7 @@ pub mod picks;
 pub mod picture;
 pub mod ply;
 pub mod provenance;
+pub mod timestamps;
 pub mod trc;
 pub mod usda;
 
@@ -92,9 +94,11 @@ pub use sections::{
 pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
 pub use staged::{
     Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, require_new_folder, stage_bytes,
+    stage_link,
 };
 pub use sync::{Shown, SyncCamera, SyncFrame, SyncHeader, SyncSource, TimeBase};
 pub use take::{Axis, Clock, Consent, Footage, Take, TakeCamera, TakeRef};
+pub use timecode::Timecode;
 pub use tracks_2d::{Sample2d, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
 pub use trajectories::{
     Accuracy, HeadTrajectories, MarkerFrame, MarkerHeader, MeasuredFrame, MeasuredTrajectories, SampleStatus,

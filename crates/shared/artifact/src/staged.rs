@@ -320,3 +320,20 @@ pub fn stage_bytes(path: &Path, bytes: &[u8]) -> Result<Staged> {
     sink.write_all(bytes).map_err(|cause| Error::io(path, "write", &cause))?;
     sink.finish()
 }
+
+/// A file under another name without its bytes being written again where the file system can do that (a hard link), else
+/// a copy.
+///
+/// # Errors
+/// If the file cannot be read, or the other name not be made.
+#[allow(clippy::disallowed_methods, reason = "this is the room where files begin")]
+pub fn stage_link(path: &Path, from: &Path) -> Result<Staged> {
+    let staged = Staged::reserve(path)?;
+    let temporary = staged.temporary().unwrap_or(path);
+    // What an earlier process of the same number left there.
+    let _ = std::fs::remove_file(temporary);
+    if std::fs::hard_link(from, temporary).is_err() {
+        std::fs::copy(from, temporary).map_err(|cause| Error::io(from, "copy", &cause))?;
+    }
+    Ok(staged)
+}

@@ -23,7 +23,8 @@ pub struct SyncHeader {
 }
 
 /// How a camera's clock stands to the mocap clock. The image that shows mocap frame `f` was taken at the mocap time
-/// `f + offset_frames + drift_ppm · 10⁻⁶ · (f − phase)`, in frames.
+/// `f + offset_frames + drift_ppm · 10⁻⁶ · (f − phase)`, in frames, less the whole steps of `every` frames by which the
+/// clocks have come apart meanwhile: each frame shows the image that is nearest in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SyncCamera {
@@ -46,6 +47,14 @@ impl SyncCamera {
     #[must_use]
     pub fn is_due(&self, frame: i64) -> bool {
         frame >= self.phase && frame.abs_diff(self.phase).is_multiple_of(u64::from(self.every.max(1)))
+    }
+
+    /// How much later than a mocap frame the image was taken that shows it, mocap frames: within half of `every`.
+    #[must_use]
+    pub fn lag_frames(&self, frame: i64) -> f64 {
+        let every = f64::from(self.every.max(1));
+        let lag = self.offset_frames + self.drift_ppm * 1e-6 * (frame - self.phase) as f64;
+        lag - every * (lag / every).round()
     }
 }
 

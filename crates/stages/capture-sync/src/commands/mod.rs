@@ -1,0 +1,6 @@
+//! The subcommands, and what they read footage with.
+
+pub(crate) mod check;
+mod extract;
+mod footage_files;
+pub(crate) mod run;

@@ -1,0 +1,76 @@
+//! Time stamps by a common clock.
+
+use crate::line::{Line, median};
+use crate::timeline::{Paced, Timeline, stated_step};
+use crate::{Error, Params};
+use artifact::{Rate, SyncSource};
+
+/// A camera whose stamps come at another rate than the take says, by more than this share, is not the one that it describes.
+const RATE_TOLERANCE: f64 = 0.05;
+/// Stamps are not better than this, s: they are written with microseconds.
+const FINEST_S: f64 = 1e-6;
+
+/// When the cameras' exposures were: a robust line through each camera's stamps over its exposures.
+///
+/// The take's first frame is at 0 s where a camera has a stamp within half a frame of it, else at the first stamp of all;
+/// that zero is returned beside the lines.
+pub(crate) fn timelines(
+    cameras: &[Paced],
+    take_rate: Rate,
+    params: &Params,
+) -> Result<(Vec<Timeline>, f64), Error> {
+    let stamps = |camera: &Paced| -> Vec<f64> {
+        camera.recording.images.iter().filter_map(|image| image.time_s).collect()
+    };
+    if let Some(camera) = cameras.iter().find(|camera| !camera.recording.is_stamped()) {
+        return Err(Error::NoStamps(camera.id().to_string()));
+    }
+    let zero = zero_s(&cameras.iter().map(stamps).collect::<Vec<_>>(), take_rate);
+    let timeline = |camera: &Paced| {
+        let nominal = stated_step(camera.recording, take_rate) / take_rate.hz();
+        let exposures = camera.cadence.exposures.iter().map(|exposure| *exposure as f64);
+        let points: Vec<(f64, f64)> = exposures.zip(stamps(camera)).collect();
+        line(&points, nominal, params).map_or_else(
+            || {
+                Ok(Timeline {
+                    source: SyncSource::Timestamps,
+                    ..Timeline::stated(camera.recording, take_rate)
+                })
+            },
+            |(line, sigma_s)| {
+                if (line.slope / nominal - 1.0).abs() > RATE_TOLERANCE {
+                    let (camera, stated) = (camera.id().to_string(), camera.recording.rate);
+                    return Err(Error::Rate { camera, found_hz: 1.0 / line.slope, stated });
+                }
+                Ok(Timeline {
+                    start: (line.at_zero - zero) * take_rate.hz(),
+                    step: line.slope * take_rate.hz(),
+                    source: SyncSource::Timestamps,
+                    sigma_frames: Some(sigma_s * take_rate.hz()),
+                })
+            },
+        )
+    };
+    Ok((cameras.iter().map(timeline).collect::<Result<_, _>>()?, zero))
+}
+
+fn zero_s(stamps: &[Vec<f64>], take_rate: Rate) -> f64 {
+    let is_near = |time: &f64| time.abs() * take_rate.hz() <= 0.5;
+    match stamps.iter().flatten().any(is_near) {
+        true => 0.0,
+        false => stamps.iter().filter_map(|times| times.first().copied()).reduce(f64::min).unwrap_or(0.0),
+    }
+}
+
+/// The line, and the spread of the stamps about it, s.
+fn line(points: &[(f64, f64)], nominal: f64, params: &Params) -> Option<(Line, f64)> {
+    let plain = Line::fit(points, &vec![1.0; points.len()], None)?;
+    let residuals: Vec<f64> = points.iter().map(|(x, y)| (y - plain.at(*x)).abs()).collect();
+    let sigma = (1.4826 * median(&residuals)).max(FINEST_S);
+    // The prior is about the clock's drift, not about a rate that was stated roughly: it centers on the latter only where
+    // the stamps agree with it.
+    let drift = params.drift_prior_ppm * 1e-6 * nominal;
+    let is_near = (plain.slope - nominal).abs() < 10.0 * drift;
+    let prior = is_near.then_some((nominal, drift));
+    Some((Line::fit(points, &vec![sigma.powi(-2); points.len()], prior)?, sigma))
+}
