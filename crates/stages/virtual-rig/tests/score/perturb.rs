@@ -197,6 +197,7 @@ pub(crate) fn time_base() -> (SyncHeader, Vec<SyncFrame>) {
     let shows = |id: &str, frame: i64| match (id, frame - FIRST) {
         ("m2", 30) => None,
         ("m3", at) => Some(Shown { index: at, time_s: None, doubled: at == 80 }),
+        ("m6", at) => Some(Shown { index: at / 2, time_s: None, doubled: false }),
         (_, at) => Some(Shown { index: at, time_s: None, doubled: false }),
     };
     let frame = |frame: i64| SyncFrame {
