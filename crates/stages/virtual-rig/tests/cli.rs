@@ -118,8 +118,9 @@ fn a_part_of_the_frames_is_a_part_of_the_take() {
 fn all_parts_of_the_frames_are_the_whole_take() {
     let folder = tempfile::tempdir().unwrap();
     let faults = "--fault dropped=0.3 --fault offset=1@m4 --fault offset=-2@m5";
-    let [whole, early, late] = [("whole", ""), ("early", "--frames 1001-1004"), ("late", "--frames 1005-1008")]
-        .map(|(out, frames)| make(&folder, out, &format!("--count 8 {faults} {frames}")));
+    let [whole, early, late] =
+        [("whole", ""), ("early", "--frames 1001-1004"), ("late", "--frames 1005-1008")]
+            .map(|(out, frames)| make(&folder, out, &format!("--count 8 {faults} {frames}")));
     let once = |path: &&PathBuf| {
         let name = path.to_string_lossy();
         name.ends_with(".png") || name.ends_with("labels.json")
@@ -144,10 +145,14 @@ fn all_parts_of_the_frames_are_the_whole_take() {
 fn the_truth_is_of_the_frames_of_the_take() {
     let folder = tempfile::tempdir().unwrap();
     let made = make(&folder, "out", "--count 4 --fault offset=2@m2 --fault offset=-1.6@m3");
-    assert_eq!(json(&made[Path::new("truth/large-scale.json")])["data"]["frames"], json(b"[1001,1002,1003,1004]"));
+    assert_eq!(
+        json(&made[Path::new("truth/large-scale.json")])["data"]["frames"],
+        json(b"[1001,1002,1003,1004]")
+    );
     assert_eq!(json(&made[Path::new("take/labels.json")])["data"]["frame"], 1001);
     for camera in ["m2", "m3"] {
-        let image = |number: i64| made.contains_key(&PathBuf::from(format!("take/footage/{camera}/{number:06}.png")));
+        let image =
+            |number: i64| made.contains_key(&PathBuf::from(format!("take/footage/{camera}/{number:06}.png")));
         assert!((0..4).all(image) && !image(4), "{camera}: all its images are in its footage");
     }
     let sync = lines(&made[Path::new("truth/sync.jsonl")]);
@@ -163,13 +168,12 @@ fn the_truth_is_of_the_frames_of_the_take() {
 #[test]
 fn side_cars_hold_no_paths() {
     let folder = tempfile::tempdir().unwrap();
-    let header = "Timecode,BlendShapeCount,EyeBlinkLeft";
-    let home = folder.path().join("home");
-    std::fs::create_dir(&home).unwrap();
-    let rows: String = (0..4).map(|frame| format!("\n00:00:00:{frame:02}.0,1,0.{frame}")).collect();
-    let weights = home.join("blinks.csv");
-    std::fs::write(&weights, format!("{header}{rows}\n")).unwrap();
-    std::fs::copy(&weights, folder.path().join("blinks.csv")).unwrap();
+    let home = tempfile::tempdir().unwrap();
+    let row = |frame: i32| format!("00:00:00:{frame:02}.0,1,0.{frame}\n");
+    let text = format!("Timecode,BlendShapeCount,EyeBlinkLeft\n{}", (0..4).map(row).collect::<String>());
+    plant(&folder, "blinks.csv", &text);
+    plant(&home, "blinks.csv", &text);
+    let weights = home.path().join("blinks.csv");
     let near = make(&folder, "near", "--frames 1001-1001 --weights blinks.csv");
     let far = make(&folder, "far", &format!("--frames 1001-1001 --weights {}", weights.display()));
     assert_eq!(near, far);
