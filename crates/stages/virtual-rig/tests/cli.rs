@@ -113,6 +113,74 @@ fn a_part_of_the_frames_is_a_part_of_the_take() {
     assert_eq!(some[32..], all[32 + values..], "wrinkled.pc2");
 }
 
+/// Labels, marked paint and images that cameras film before or after the take stand in one part each, as in the whole.
+#[test]
+fn all_parts_of_the_frames_are_the_whole_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let faults = "--fault dropped=0.3 --fault offset=1@m4 --fault offset=-2@m5";
+    let [whole, early, late] =
+        [("whole", ""), ("early", "--frames 1001-1004"), ("late", "--frames 1005-1008")]
+            .map(|(out, frames)| make(&folder, out, &format!("--count 8 {faults} {frames}")));
+    let once = |path: &&PathBuf| {
+        let name = path.to_string_lossy();
+        name.ends_with(".png") || name.ends_with("labels.json")
+    };
+    for path in whole.keys().filter(once) {
+        let parts = [&early, &late].map(|part| part.get(path));
+        let found: Vec<_> = parts.into_iter().flatten().collect();
+        assert_eq!(found, [&whole[path]], "{}", path.display());
+    }
+    let of_parts = early.keys().chain(late.keys()).filter(once).count();
+    assert_eq!(of_parts, whole.keys().filter(once).count());
+    assert!(whole.contains_key(Path::new("take/labels.json")));
+    for name in ["sync", "tracks-2d", "markers", "wrinkles-2d", "sections"] {
+        let path = PathBuf::from(format!("truth/{name}.jsonl"));
+        let [all, first, second] = [&whole, &early, &late].map(|files| lines(&files[&path]));
+        assert_eq!(all[1..], [&first[1..], &second[1..]].concat(), "{name}");
+    }
+}
+
+/// Cameras whose clocks are off film before or after the take too; the truth has its frames only.
+#[test]
+fn the_truth_is_of_the_frames_of_the_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = make(&folder, "out", "--count 4 --fault offset=2@m2 --fault offset=-1.6@m3");
+    assert_eq!(
+        json(&made[Path::new("truth/large-scale.json")])["data"]["frames"],
+        json(b"[1001,1002,1003,1004]")
+    );
+    assert_eq!(json(&made[Path::new("take/labels.json")])["data"]["frame"], 1001);
+    for camera in ["m2", "m3"] {
+        let image =
+            |number: i64| made.contains_key(&PathBuf::from(format!("take/footage/{camera}/{number:06}.png")));
+        assert!((0..4).all(image) && !image(4), "{camera}: all its images are in its footage");
+    }
+    let sync = lines(&made[Path::new("truth/sync.jsonl")]);
+    let shows = |camera: &str| -> Vec<Value> {
+        sync[1..].iter().map(|line| json(line.as_bytes())["shows"][camera]["index"].clone()).collect()
+    };
+    assert_eq!(sync.len(), 5);
+    assert_eq!(Value::from(shows("m2")), json(b"[null,null,0,1]"));
+    assert_eq!(Value::from(shows("m3")), json(b"[2,3,null,null]"));
+}
+
+/// The same files give the same side-cars, wherever they lie and whichever way they are named.
+#[test]
+fn side_cars_hold_no_paths() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = tempfile::tempdir().unwrap();
+    let row = |frame: i32| format!("00:00:00:{frame:02}.0,1,0.{frame}\n");
+    let text = format!("Timecode,BlendShapeCount,EyeBlinkLeft\n{}", (0..4).map(row).collect::<String>());
+    plant(&folder, "blinks.csv", &text);
+    plant(&home, "blinks.csv", &text);
+    let weights = home.path().join("blinks.csv");
+    let near = make(&folder, "near", "--frames 1001-1001 --weights blinks.csv");
+    let far = make(&folder, "far", &format!("--frames 1001-1001 --weights {}", weights.display()));
+    assert_eq!(near, far);
+    let side_car = json(&near[Path::new("take/take.json.prov.json")]);
+    assert_eq!(side_car["data"]["parameters"]["weights"], "blinks.csv");
+}
+
 #[test]
 fn truth_comes_without_footage_too() {
     let folder = tempfile::tempdir().unwrap();

@@ -129,8 +129,126 @@ fn lost_and_doubled_frames_are_known() {
     assert!((20..=60).contains(&(200 - of("m1").len())), "{}", of("m1").len());
     assert!((20..=60).contains(&of("m2").iter().filter(|copies| **copies == 2).count()));
     assert!(of("m3") == vec![1; 200] && of("m2").len() == 200);
-    let doubled = shots.values().flatten().filter(|shot| shot.shown().doubled);
-    assert!(doubled.clone().count() > 0 && doubled.into_iter().all(|shot| shot.camera == "m2"));
+}
+
+/// What stands twice in the footage has its image in its first copy, which is none that only repeats another.
+#[test]
+fn the_first_copy_of_an_image_is_the_image() {
+    let studio = studio(|scenario| {
+        scenario.extent.frames = 50;
+        scenario.faults.push(fault("doubled=0.3@m2"));
+    });
+    let schedule = studio.schedule().unwrap();
+    let (_, entries) = schedule.cameras.iter().find(|(id, _)| id == "m2").unwrap();
+    let shots = shots_by_frame(&schedule, 50);
+    let mut repeated = 0;
+    for shot in shots.values().flatten().filter(|shot| shot.camera == "m2") {
+        let shown = shot.shown();
+        assert!(!shown.doubled && !entries[shown.index as usize].is_double, "{shown:?}");
+        repeated += shot.copies - 1;
+    }
+    assert!(repeated > 5 && entries.iter().filter(|entry| entry.is_double).count() == repeated);
+}
+
+/// Every image of the take's frames is due by the header, and the header tells its time; nothing else is due.
+#[test]
+fn sync_says_when_each_image_was_taken() {
+    let faults = ["offset=-3.4@m1", "offset=2.3@m2", "drift=10000@m3", "drift=-10000@m4", "offset=-0.6@w2"];
+    let frames = 101;
+    let studio = studio(|scenario| {
+        scenario.extent.frames = frames;
+        scenario.faults.extend(faults.map(fault));
+        scenario.faults.extend(["offset=0.12@w1", "drift=10000@w1", "drift=10000@w2"].map(fault));
+    });
+    let extent = studio.scenario().extent;
+    let schedule = studio.schedule().unwrap();
+    let shots = shots_by_frame(&schedule, frames);
+    for (id, entries) in &schedule.cameras {
+        let sync = studio.sync_of(id, &studio.stations()[id]);
+        let shown: Vec<i64> =
+            shots.iter().filter(|(_, s)| s.iter().any(|shot| shot.camera == *id)).map(|(f, _)| *f).collect();
+        assert_eq!(shown.len(), entries.len(), "{id}: each image has a frame of its own");
+        let due = (0..entries.len() as i64).map(|n| sync.phase + n * i64::from(sync.every));
+        assert!(shown.iter().map(|frame| extent.first_frame + frame).eq(due), "{id}: {shown:?}");
+        for entry in entries {
+            let (frame, hz) = (extent.first_frame + entry.mocap_frame, extent.rate.hz());
+            let lag = sync.offset_frames + sync.drift_ppm * 1e-6 * (frame - sync.phase) as f64;
+            let taken = frame as f64 + lag - extent.first_frame as f64;
+            assert!((taken - entry.time_s * hz).abs() < 1e-9, "{id}, frame {frame}: {taken}");
+            assert!(sync.is_due(frame), "{id}, frame {frame}");
+        }
+        assert!(sync.offset_frames.abs() < 0.6, "{id}: {}", sync.offset_frames);
+    }
+}
+
+#[test]
+fn a_camera_that_films_no_frame_of_the_take_is_refused() {
+    let refusal = |text: &str| {
+        let studio = studio(|scenario| scenario.faults.push(fault(text)));
+        studio.schedule().map(drop).map_err(|error| error.to_string())
+    };
+    for text in ["offset=-3.4@m2", "offset=3@m2"] {
+        let message = refusal(text).unwrap_err();
+        assert!(
+            message.starts_with("cameras.m2: none of its images shows a frame of the take, 1001 to 1003")
+        );
+    }
+    assert_eq!((refusal("offset=2@m2"), refusal("offset=-0.5@w1")), (Ok(()), Ok(())));
+}
+
+/// Takes in which one thing goes wrong, as the tool makes them.
+fn recipes() -> Vec<Fault> {
+    let tool = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tools/virtual-take");
+    let text = artifact::read_text(tool.as_ref()).unwrap();
+    let (_, list) = text.split_once("FAULTS=(").unwrap();
+    list.split_once(')').unwrap().0.split_whitespace().map(fault).collect()
+}
+
+/// The images' numbers, frames and times: what the footage of a camera shows of the performance.
+fn footage_of(studio: &Studio, camera: &str) -> (Vec<(i64, f64, bool)>, Vec<artifact::Shown>) {
+    let schedule = studio.schedule().unwrap();
+    let (_, entries) = schedule.cameras.iter().find(|(id, _)| id == camera).unwrap();
+    let frames = studio.scenario().extent.frames;
+    let shots = shots_by_frame(&schedule, frames);
+    let shown = shots.range(0..i64::from(frames)).flat_map(|(_, shots)| shots);
+    let shown = shown.filter(|shot| shot.camera == camera).map(virtual_rig::take::Shot::shown).collect();
+    (entries.iter().map(|entry| (entry.exposure, entry.time_s, entry.is_double)).collect(), shown)
+}
+
+/// Each recipe changes its camera's footage; those that a stage could measure change the truth too.
+#[test]
+fn every_recipe_of_a_fault_shows() {
+    let short = |fault: Option<Fault>| {
+        studio(|scenario| {
+            scenario.extent = preset("standard").unwrap().extent;
+            scenario.faults.extend(fault);
+        })
+    };
+    let plain = short(None);
+    let recipes = recipes();
+    assert!(recipes.len() > 8, "{recipes:?}");
+    for recipe in recipes {
+        let (camera, touched) = (recipe.camera.clone().unwrap(), short(Some(recipe.clone())));
+        let station = |studio: &Studio| studio.stations()[&camera].clone();
+        let footage = [&plain, &touched].map(|studio| footage_of(studio, &camera));
+        let sync = [&plain, &touched].map(|studio| studio.sync_of(&camera, &station(studio)));
+        let images = || [&plain, &touched].map(|studio| image(studio, &camera, 0.02));
+        let (shows, is_true) = match recipe.kind {
+            FaultKind::Dropped | FaultKind::Doubled => {
+                (footage[0].0 != footage[1].0, footage[0].1 != footage[1].1)
+            }
+            FaultKind::Offset | FaultKind::Drift => (footage[0].0 != footage[1].0, sync[0] != sync[1]),
+            FaultKind::Gamma | FaultKind::MotionBlur | FaultKind::Defocused => {
+                let [(one, _), (other, _)] = images();
+                (one != other, true)
+            }
+            FaultKind::Rotated | FaultKind::Mirrored | FaultKind::Focal => {
+                let [(one, truth), (other, moved)] = images();
+                (one != other, truth.tracks != moved.tracks)
+            }
+        };
+        assert!(shows && is_true, "{recipe:?}: footage {shows}, truth {is_true}");
+    }
 }
 
 #[test]

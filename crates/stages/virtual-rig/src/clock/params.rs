@@ -78,6 +78,16 @@ fn refuse(place: &str, key: &str, what: String) -> Result<(), Error> {
 }
 
 impl Clock {
+    /// How many frames of the motion capture, to the nearest whole one, exposures come later than their count says; 0 if
+    /// they are triggered. `rate_hz`: the motion capture's.
+    #[must_use]
+    pub fn late_frames(&self, rate_hz: f64) -> i64 {
+        match self.trigger {
+            Trigger::Shared => 0,
+            Trigger::Own => (self.offset_s * rate_hz).round() as i64,
+        }
+    }
+
     /// Refuses what makes no sense. `place`: where in the scenario it stands; `rate_hz`: the motion capture's.
     ///
     /// # Errors

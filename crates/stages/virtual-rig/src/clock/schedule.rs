@@ -24,8 +24,9 @@ pub struct Entry {
     pub index: usize,
     /// Which of the camera's exposures it is, lost ones counted.
     pub exposure: i64,
-    /// The motion capture's frame that it belongs to, from 0: with a shared trigger the one that triggered it, else the
-    /// nearest in time.
+    /// The motion capture's frame that it belongs to, counted from the first one: with a shared trigger the one that
+    /// triggered it, else the same by count, later by as many whole frames as the camera's clock was set late. Exposures of
+    /// one camera never share a frame, however far it drifts. Below 0 or beyond the last frame, nothing was captured then.
     pub mocap_frame: i64,
     /// The true middle of the exposure, s; the motion capture's frame 0 is at 0.
     pub time_s: f64,
@@ -44,7 +45,7 @@ pub struct Schedule {
 
 impl Schedule {
     /// Plans a take of so many seconds. The motion capture's frames are at k / `rate`, k from 0, below the duration; a
-    /// camera's exposure n belongs to frame n · every + phase. Faults by chance depend on the seed and the camera's place
+    /// camera's exposure n belongs to frame n · every + phase, plus [`Clock::late_frames`]. Faults by chance depend on the seed and the camera's place
     /// in the list only, each exposure by itself: another rate of faults or a longer take does not change the rest.
     ///
     /// # Errors
@@ -132,10 +133,7 @@ impl Camera<'_> {
         };
         let time_s = due_s + self.clock.jitter_s * chance.jitter;
         let stamp_s = (time_s - offset_s) / slowness + self.clock.stamp_jitter_s * chance.stamp_jitter;
-        let mocap_frame = match self.clock.trigger {
-            Trigger::Shared => frame,
-            Trigger::Own => (time_s * self.rate.hz()).round() as i64,
-        };
+        let mocap_frame = frame + self.clock.late_frames(self.rate.hz());
         Entry { index: 0, exposure, mocap_frame, time_s, stamp_s, is_double: false }
     }
 

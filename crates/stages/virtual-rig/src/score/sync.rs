@@ -4,6 +4,7 @@ use super::same::{CommonFrames, check_equal, check_ids, check_take};
 use super::{Metric, ScoreError};
 use artifact::{Shown, SyncCamera, SyncFrame, SyncHeader};
 use serde_json::{Map, Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A time base: header and frames.
 pub type TimeBase<'a> = (&'a SyncHeader, &'a [SyncFrame]);
@@ -15,8 +16,9 @@ pub type TimeBase<'a> = (&'a SyncHeader, &'a [SyncFrame]);
 ///   mocap times that they give the same image, in mocap frames. A difference that all clocks share says nothing about
 ///   how they stand to each other: the (lower) median over the cameras is taken off, of offsets and of drifts; it stands
 ///   in the context as `common`.
-/// - A drop is an image that is due but not there, or one that only repeats the one before it. *Missed*: the result shows
-///   an image for a dropped one, or takes a repeated one for a new one. *Invented*: the other way round.
+/// - A drop is an image that is due but not there, or one that only repeats the one before it: so marked in the truth, or
+///   one between two images that the truth shows but that stands in none of its frames. *Missed*: the result shows an image
+///   for a dropped one, or takes a repeated one for a new one. *Invented*: the other way round.
 /// - A *wrong* image is one with another index than the truth's; a *missing* one stands in a frame or camera that the
 ///   result does not have.
 ///
@@ -26,9 +28,10 @@ pub fn sync(truth: TimeBase, result: TimeBase) -> Result<Vec<Metric>, ScoreError
     check_headers(truth.0, result.0)?;
     let numbers = |frames: &[SyncFrame]| frames.iter().map(|frame| frame.frame).collect::<Vec<_>>();
     let frames = CommonFrames::of(&numbers(truth.1), &numbers(result.1))?;
-    let mut drops = Drops::default();
+    let repeats = Repeats::of(truth.1);
+    let mut drops = Drops { true_drops: repeats.count(), ..Drops::default() };
     for &(at, other) in &frames.pairs {
-        drops.add_frame(&truth.1[at], &result.1[other]);
+        drops.add_frame(&truth.1[at], &result.1[other], &repeats);
     }
     drops.missing +=
         frames.missing.iter().map(|&at| truth.1[at].shows.values().flatten().count()).sum::<usize>();
@@ -72,6 +75,36 @@ fn check_headers(truth: &SyncHeader, result: &SyncHeader) -> Result<(), ScoreErr
     Ok(())
 }
 
+/// Which images only repeat the one before them, so that no frame of the truth shows them. Footage holds nothing but images
+/// of frames and their repetitions: what lies between two that are shown is a repetition. Per camera those that are shown.
+struct Repeats<'a>(BTreeMap<&'a str, BTreeSet<i64>>);
+
+impl<'a> Repeats<'a> {
+    fn of(truth: &'a [SyncFrame]) -> Self {
+        let mut shown: BTreeMap<&str, BTreeSet<i64>> = BTreeMap::new();
+        let shows = truth.iter().flat_map(|frame| &frame.shows);
+        for (camera, image) in shows.filter_map(|(camera, image)| Some((camera, image.as_ref()?))) {
+            shown.entry(camera).or_default().insert(image.index);
+        }
+        Self(shown)
+    }
+
+    fn count(&self) -> usize {
+        let between = |shown: &BTreeSet<i64>| {
+            let span = shown.last()?.abs_diff(*shown.first()?) as usize;
+            Some(span - (shown.len() - 1))
+        };
+        self.0.values().filter_map(between).sum()
+    }
+
+    fn contains(&self, camera: &str, image: i64) -> bool {
+        let lies_between = |shown: &BTreeSet<i64>| {
+            shown.first() < Some(&image) && Some(&image) < shown.last() && !shown.contains(&image)
+        };
+        self.0.get(camera).is_some_and(lies_between)
+    }
+}
+
 /// Images by what the result says of them.
 #[derive(Debug, Default)]
 struct Drops {
@@ -84,25 +117,29 @@ struct Drops {
 }
 
 impl Drops {
-    fn add_frame(&mut self, truth: &SyncFrame, result: &SyncFrame) {
+    fn add_frame(&mut self, truth: &SyncFrame, result: &SyncFrame, repeats: &Repeats) {
         for (camera, shown) in &truth.shows {
             self.images += usize::from(shown.is_some());
             self.true_drops += usize::from(shown.is_none_or(|shown| shown.doubled));
             match result.shows.get(camera) {
                 None => self.missing += usize::from(shown.is_some()),
-                Some(found) => self.add_image(shown.as_ref(), found.as_ref()),
+                Some(found) => {
+                    let repeats = |image: &Shown| repeats.contains(camera, image.index);
+                    self.add_image(shown.as_ref(), found.as_ref(), repeats);
+                }
             }
         }
     }
 
-    fn add_image(&mut self, truth: Option<&Shown>, result: Option<&Shown>) {
+    /// `repeats`: whether an image that the truth does not show only repeats another one.
+    fn add_image(&mut self, truth: Option<&Shown>, result: Option<&Shown>, repeats: impl Fn(&Shown) -> bool) {
         match (truth, result) {
             (None, None) => {}
             // An image known to be a repetition is no image of this frame.
             (None, Some(result)) => self.missed += usize::from(!result.doubled),
             (Some(truth), None) => self.invented += usize::from(!truth.doubled),
             (Some(truth), Some(result)) => {
-                self.missed += usize::from(truth.doubled && !result.doubled);
+                self.missed += usize::from(!result.doubled && (truth.doubled || repeats(result)));
                 self.invented += usize::from(!truth.doubled && result.doubled);
                 self.wrong += usize::from(truth.index != result.index);
             }
@@ -123,7 +160,7 @@ fn mean_difference(
 ) -> Option<f64> {
     let images = |frames: &[SyncFrame]| {
         let image = |frame: &SyncFrame| Some(((*frame.shows.get(camera)?)?.index, frame.frame));
-        frames.iter().filter_map(image).collect::<std::collections::BTreeMap<i64, i64>>()
+        frames.iter().filter_map(image).collect::<BTreeMap<i64, i64>>()
     };
     let (at, found) = (images(truth.1), images(result.1));
     let differences: Vec<f64> = at

@@ -22,12 +22,34 @@ impl Studio {
     /// When each camera films.
     ///
     /// # Errors
-    /// Clocks or faults that leave a camera without images.
+    /// Clocks or faults that leave a camera without an image of the take's frames.
     pub fn schedule(&self) -> Result<Schedule, Error> {
         let extent = &self.scenario.extent;
         let cameras: Vec<Timed> = self.stations.iter().map(|(id, station)| self.timed(id, station)).collect();
         let duration_s = f64::from(extent.frames) / extent.rate.hz();
-        Schedule::plan(&cameras, extent.rate, duration_s, self.scenario.seed)
+        let schedule = Schedule::plan(&cameras, extent.rate, duration_s, self.scenario.seed)?;
+        let captured = |entry: &Entry| (0..i64::from(extent.frames)).contains(&entry.mocap_frame);
+        match schedule.cameras.iter().find(|(_, entries)| !entries.iter().any(captured)) {
+            None => Ok(schedule),
+            Some((id, _)) => {
+                let last = extent.first_frame + i64::from(extent.frames) - 1;
+                let what = format!(
+                    "none of its images shows a frame of the take, {} to {last}; lessen its offset, or take more frames",
+                    extent.first_frame
+                );
+                Err(Error::parameter(format!("cameras.{id}"), what))
+            }
+        }
+    }
+
+    /// The absolute number of the frame that an image is filmed with: its own, but cameras may begin earlier and end later
+    /// than the motion capture, and such images come with the take's first and last frame.
+    ///
+    /// `mocap_frame`: counted from the first one.
+    #[must_use]
+    pub fn filmed_with(&self, mocap_frame: i64) -> i64 {
+        let extent = &self.scenario.extent;
+        extent.first_frame + mocap_frame.clamp(0, i64::from(extent.frames) - 1)
     }
 
     fn timed(&self, id: &str, station: &Station) -> Timed {
@@ -56,7 +78,8 @@ impl Studio {
     }
 }
 
-/// The images of each frame of the mocap clock (counted from the first one), cameras in order.
+/// The images of each frame of the mocap clock (counted from the first one), cameras in order, at most one image of each.
+/// Frames below 0 or from `frames` on are images of times when nothing was captured.
 #[must_use]
 pub fn shots_by_frame(schedule: &Schedule, frames: u32) -> BTreeMap<i64, Vec<Shot>> {
     let mut shots: BTreeMap<i64, Vec<Shot>> =
@@ -76,19 +99,18 @@ pub fn shots_by_frame(schedule: &Schedule, frames: u32) -> BTreeMap<i64, Vec<Sho
 impl Studio {
     /// How a camera's clock stands to the mocap clock, as `sync` says it.
     #[must_use]
-    pub fn sync_of(&self, id: &str, station: &Station, entries: &[Entry]) -> SyncCamera {
+    pub fn sync_of(&self, id: &str, station: &Station) -> SyncCamera {
         let extent = &self.scenario.extent;
         let clock = self.timed(id, station).clock;
-        let first = entries.first().map_or(0, |entry| entry.mocap_frame);
-        // The first frame that the camera is due at lies as far before the first image as frames were dropped.
-        let phase = first.rem_euclid(i64::from(clock.every));
         let rate = extent.rate;
-        let late = clock.offset_s * rate.hz();
+        let late_frames = clock.late_frames(rate.hz());
+        // What its clock has lost when the first exposure is due, which need not be at 0.
+        let lost = 1e-6 * clock.drift_ppm * f64::from(clock.phase);
         SyncCamera {
             rate: artifact::Rate { frames: rate.frames, seconds: rate.seconds * clock.every },
             every: clock.every,
-            phase: extent.first_frame + phase,
-            offset_frames: late - late.round(),
+            phase: extent.first_frame + i64::from(clock.phase) + late_frames,
+            offset_frames: clock.offset_s * rate.hz() - late_frames as f64 + lost,
             drift_ppm: clock.drift_ppm,
             source: SyncSource::Stated,
         }
@@ -96,9 +118,10 @@ impl Studio {
 }
 
 impl Shot {
-    /// The image as `sync` names it.
+    /// The image as `sync` names it. Where it stands twice in the footage, the first copy is the image; the second has a
+    /// number that no frame shows.
     #[must_use]
     pub fn shown(&self) -> Shown {
-        Shown { index: self.entry.index as i64, time_s: Some(self.entry.time_s), doubled: self.copies > 1 }
+        Shown { index: self.entry.index as i64, time_s: Some(self.entry.time_s), doubled: false }
     }
 }

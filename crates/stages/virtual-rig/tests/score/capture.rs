@@ -335,6 +335,31 @@ fn sync_drops_missed_and_invented_are_told_apart() {
     assert_eq!(value(&metrics, "missing"), 5.0);
 }
 
+/// The camera m1, whose image 40 stands twice in the footage: the second copy is image 41, which no frame shows.
+#[test]
+fn sync_a_repeated_image_is_missed_by_who_takes_it_for_a_new_one() {
+    let (header, mut frames) = time_base();
+    let number = |frame: &mut artifact::SyncFrame, index: i64| {
+        frame.shows.insert("m1".into(), Some(artifact::Shown { index, time_s: None, doubled: false }));
+    };
+    let by_order = frames.clone();
+    frames.iter_mut().enumerate().skip(41).for_each(|(at, frame)| number(frame, at as i64 + 1));
+    let judge = |result: &[artifact::SyncFrame]| {
+        let metrics = score::sync((&header, &frames), (&header, result)).unwrap();
+        let drops = metric(&metrics, "drops_missed").context["drops"].clone();
+        assert_eq!(drops, 3, "one lost, one marked as doubled, one repeated");
+        ["drops_missed", "drops_invented", "wrong_images"].map(|name| value(&metrics, name))
+    };
+    assert_eq!(judge(&frames), [0.0, 0.0, 0.0]);
+    assert_eq!(judge(&by_order), [1.0, 0.0, 159.0]);
+    let mut second_copy = frames.clone();
+    number(&mut second_copy[40], 41);
+    assert_eq!(judge(&second_copy), [1.0, 0.0, 1.0]);
+    let mut lost_too = by_order;
+    lost_too[41].shows.insert("m1".into(), None);
+    assert_eq!(judge(&lost_too), [0.0, 1.0, 158.0], "the repeated image is noticed, the one after it is not");
+}
+
 #[test]
 fn a_sample_that_no_camera_shows_lies_somewhere() {
     // A marker out of every image may not be called a swap for being far from itself.

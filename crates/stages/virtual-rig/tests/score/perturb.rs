@@ -196,7 +196,9 @@ pub(crate) fn time_base() -> (SyncHeader, Vec<SyncFrame>) {
     };
     let shows = |id: &str, frame: i64| match (id, frame - FIRST) {
         ("m2", 30) => None,
+        ("m2", at) => Some(Shown { index: at - i64::from(at > 30), time_s: None, doubled: false }),
         ("m3", at) => Some(Shown { index: at, time_s: None, doubled: at == 80 }),
+        ("m6", at) => Some(Shown { index: at / 2, time_s: None, doubled: false }),
         (_, at) => Some(Shown { index: at, time_s: None, doubled: false }),
     };
     let frame = |frame: i64| SyncFrame {

@@ -31,37 +31,40 @@ pub(super) fn film(
 ) -> anyhow::Result<Vec<Staged>> {
     let extent = studio.scenario().extent;
     let range = arguments.frames.unwrap_or(FrameRange::ALL);
-    let all = shots_by_frame(schedule, extent.frames);
+    let Plan { frames, labelled, masked } = Plan::new(studio, schedule);
     let wanted: Vec<(i64, Vec<Shot>)> =
-        all.into_iter().filter(|(frame, _)| range.contains(extent.first_frame + frame)).collect();
-    let mut records = Records::create(studio, paper, schedule, &wanted)?;
-    let labelled = labelled_frame(studio, &wanted);
+        frames.into_iter().filter(|(frame, _)| range.contains(studio.filmed_with(*frame))).collect();
+    let is_captured = |frame: i64| (0..i64::from(extent.frames)).contains(&frame);
+    let captured = wanted.iter().map(|(frame, _)| *frame).filter(|frame| is_captured(*frame));
+    let mut records = Records::create(studio, paper, schedule, captured)?;
     let mut labels: PerCamera<[f64; 2]> = BTreeMap::new();
-    let mut masked: Vec<String> = Vec::new();
     let mut images = 0u64;
     let mut progress = run.progress("film", Some(wanted.len() as u64));
     for (frame, shots) in &wanted {
         let taken = if arguments.no_footage { &[][..] } else { shots };
         let (own, filmed) = run.timed("film", || film_frame(studio, *frame, taken, !arguments.no_normals))?;
         for image in &filmed {
-            let station = &studio.stations()[&image.shot.camera];
+            let (camera, station) = (&image.shot.camera, &studio.stations()[&image.shot.camera]);
             footage.write(&image.shot, station, &image.rgb)?;
-            write_pictures(&arguments.out, image, station, extent.first_frame + frame)?;
             images += 1;
-            let camera = &image.shot.camera;
+            if !is_captured(*frame) {
+                continue;
+            }
+            write_pictures(&arguments.out, image, station, extent.first_frame + frame)?;
             match station.role {
                 Role::Mocap if *frame == labelled => {
                     labels.insert(camera.clone(), first_labels(studio, image));
                 }
-                Role::Wrinkle if !masked.contains(camera) => {
+                Role::Wrinkle if masked.get(camera) == Some(frame) => {
                     write_mask(&arguments.out, studio, image, station)?;
-                    masked.push(camera.clone());
                 }
                 _ => {}
             }
         }
-        let truths = filmed.into_iter().map(|image| (image.shot, image.truth)).collect();
-        records.write(studio, extent.first_frame + frame, &own, truths, shots)?;
+        if is_captured(*frame) {
+            let truths = filmed.into_iter().map(|image| (image.shot, image.truth)).collect();
+            records.write(studio, extent.first_frame + frame, &own, truths, shots)?;
+        }
         progress.step();
     }
     drop(progress);
@@ -76,13 +79,31 @@ pub(super) fn film(
     Ok(outputs)
 }
 
-/// The frame that is labelled by hand: the first that all mocap cameras show, or else the first.
-fn labelled_frame(studio: &Studio, frames: &[(i64, Vec<Shot>)]) -> i64 {
-    let mocap = studio.stations().iter().filter(|(_, station)| station.role == Role::Mocap);
-    let ids: Vec<&String> = mocap.map(|(id, _)| id).collect();
-    let shows_all = |shots: &[Shot]| ids.iter().all(|id| shots.iter().any(|shot| shot.camera == **id));
-    let whole = frames.iter().find(|(_, shots)| shows_all(shots));
-    whole.or(frames.first()).map_or(0, |(frame, _)| *frame)
+/// What is filmed when, of the whole take: its parts shall not differ from it.
+struct Plan {
+    /// The images of each frame, counted from the first one; also those from before the first and after the last frame.
+    frames: BTreeMap<i64, Vec<Shot>>,
+    /// The frame that is labelled by hand: the first that all mocap cameras show, or else the first.
+    labelled: i64,
+    /// Per wrinkle camera the frame of its first image, whose paint is marked by hand.
+    masked: BTreeMap<String, i64>,
+}
+
+impl Plan {
+    fn new(studio: &Studio, schedule: &Schedule) -> Self {
+        let count = studio.scenario().extent.frames;
+        let frames = shots_by_frame(schedule, count);
+        let ids = |role| studio.stations().iter().filter(move |(_, s)| s.role == role).map(|(id, _)| id);
+        let shows = |shots: &[Shot], id: &String| shots.iter().any(|shot| shot.camera == *id);
+        let first = |shown: &dyn Fn(&[Shot]) -> bool| {
+            frames.range(0..i64::from(count)).find(|(_, shots)| shown(shots)).map(|(frame, _)| *frame)
+        };
+        let labelled = first(&|shots| ids(Role::Mocap).all(|id| shows(shots, id))).unwrap_or(0);
+        let masked = ids(Role::Wrinkle)
+            .filter_map(|id| Some((id.clone(), first(&|shots| shows(shots, id))?)))
+            .collect();
+        Self { frames, labelled, masked }
+    }
 }
 
 /// The face at a frame's own time, and all its images. Cameras that film at the same time share one set.

@@ -114,8 +114,7 @@ impl FootageSink {
 
 /// A picture keeps its number in its name; in a video the first one is always number 0.
 fn check_start(studio: &Studio, schedule: &Schedule, frames: FrameRange) -> anyhow::Result<()> {
-    let first_frame = studio.scenario().extent.first_frame;
-    let is_in = |entry: &virtual_rig::clock::Entry| frames.contains(first_frame + entry.mocap_frame);
+    let is_in = |entry: &virtual_rig::clock::Entry| frames.contains(studio.filmed_with(entry.mocap_frame));
     for (camera, entries) in &schedule.cameras {
         if entries.iter().any(is_in) && !entries.first().is_some_and(is_in) {
             bail!(

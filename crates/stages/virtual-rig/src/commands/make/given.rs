@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 use artifact::{Consent, Unit, picks, picture};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use stage::Run;
 use std::path::{Path, PathBuf};
 use virtual_rig::act::Clip;
@@ -18,21 +18,26 @@ use virtual_rig::take::Given;
 pub(crate) struct GivenFace {
     /// Scan that acts instead of the parametric face: .obj or .ply, any polygons, open or closed
     #[arg(long, value_name = "FILE", requires = "landmarks", requires = "unit")]
+    #[serde(serialize_with = "as_name")]
     mesh: Option<PathBuf>,
     /// Unit of the scan's and the landmarks' coordinates
     #[arg(long, value_name = "mm|cm|m")]
     unit: Option<Unit>,
     /// Places of named landmarks on it: .csv (name,vertex or name,x,y,z) or .pp
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "as_name")]
     landmarks: Option<PathBuf>,
     /// Its albedo, .png or .jpg; needs texture coordinates
     #[arg(long, value_name = "FILE", requires = "mesh")]
+    #[serde(serialize_with = "as_name")]
     texture: Option<PathBuf>,
     /// An expression of the scan, in dense correspondence; may be said again
     #[arg(long, value_name = "NAME=FILE", requires = "mesh", value_parser = named_file)]
+    #[serde(serialize_with = "as_names")]
     shape: Vec<(String, PathBuf)>,
     /// Recorded weights of a performance (Live Link Face CSV); the scenario's performance then is this recording
     #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "as_name")]
     weights: Option<PathBuf>,
     /// Licence of the face, in words; travels into the manifest
     #[arg(long, value_name = "TEXT", requires = "mesh")]
@@ -40,6 +45,16 @@ pub(crate) struct GivenFace {
     /// Credit line of the face; travels into the manifest
     #[arg(long, value_name = "TEXT", requires = "mesh")]
     credit: Option<String>,
+}
+
+/// A side-car holds no paths: the same files give the same bytes wherever they lie.
+#[allow(clippy::ref_option, reason = "serde hands a field over by reference")]
+fn as_name<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+    path.as_deref().map(artifact::file_name).serialize(serializer)
+}
+
+fn as_names<S: Serializer>(shapes: &[(String, PathBuf)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(shapes.iter().map(|(name, path)| (name, artifact::file_name(path))))
 }
 
 fn named_file(text: &str) -> Result<(String, PathBuf), String> {

@@ -41,7 +41,7 @@ impl<'a> Headers<'a> {
             cameras: schedule
                 .cameras
                 .iter()
-                .map(|(id, entries)| (id.clone(), self.studio.sync_of(id, &stations[id], entries)))
+                .map(|(id, _)| (id.clone(), self.studio.sync_of(id, &stations[id])))
                 .collect(),
             take: self.take.clone(),
         }

@@ -2,6 +2,7 @@
 
 use super::headers::Headers;
 use super::paper::Paper;
+use anyhow::bail;
 use artifact::{
     FrameWriter, HeadPose, HeadPoseFrame, HeadTrajectories, LargeScale, MarkerFrame, PerCamera, SampleStatus,
     Sections, SectionsFrame, Staged, SyncFrame, SyncHeader, TimeBase, Tracks2d, Tracks2dFrame,
@@ -33,16 +34,17 @@ pub(super) struct Records {
 }
 
 impl Records {
+    /// Begins the files. `frames`: those of the take that are written, counted from its first one.
     pub(super) fn create(
         studio: &Studio,
         paper: &Paper,
         schedule: &Schedule,
-        frames: &[(i64, Vec<Shot>)],
+        frames: impl Iterator<Item = i64>,
     ) -> anyhow::Result<Self> {
         let headers = Headers::new(studio, paper);
         let due = headers.sync(schedule);
         let extent = studio.scenario().extent;
-        let numbers: Vec<i64> = frames.iter().map(|(frame, _)| extent.first_frame + frame).collect();
+        let numbers: Vec<i64> = frames.map(|frame| extent.first_frame + frame).collect();
         let start = numbers.first().copied().unwrap_or(extent.first_frame);
         let vertices = studio.body().mesh.positions.len();
         let folder = paper.truth.clone();
@@ -95,6 +97,11 @@ impl Records {
     }
 
     fn write_sync(&mut self, frame: i64, shots: &[Shot]) -> anyhow::Result<()> {
+        let is_due =
+            |shot: &Shot| self.due.cameras.get(&shot.camera).is_some_and(|camera| camera.is_due(frame));
+        if let Some(shot) = shots.iter().find(|shot| !is_due(shot)) {
+            bail!("camera {}: has an image of frame {frame}, in which it is not due", shot.camera);
+        }
         let due = self.due.cameras.iter().filter(|(_, camera)| camera.is_due(frame));
         let shown = |id: &String| shots.iter().find(|shot| shot.camera == *id).map(Shot::shown);
         let shows = due.map(|(id, _)| (id.clone(), shown(id))).collect();
