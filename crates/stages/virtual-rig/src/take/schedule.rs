@@ -22,12 +22,14 @@ impl Studio {
     /// When each camera films.
     ///
     /// # Errors
-    /// Clocks or faults that leave a camera without images.
+    /// Clocks or faults that leave a camera without images, a flash that a camera misses.
     pub fn schedule(&self) -> Result<Schedule, Error> {
         let extent = &self.scenario.extent;
         let cameras: Vec<Timed> = self.stations.iter().map(|(id, station)| self.timed(id, station)).collect();
         let duration_s = f64::from(extent.frames) / extent.rate.hz();
-        Schedule::plan(&cameras, extent.rate, duration_s, self.scenario.seed)
+        let schedule = Schedule::plan(&cameras, extent.rate, duration_s, self.scenario.seed)?;
+        self.check_flash(&schedule)?;
+        Ok(schedule)
     }
 
     fn timed(&self, id: &str, station: &Station) -> Timed {
