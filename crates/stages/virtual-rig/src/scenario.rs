@@ -3,15 +3,17 @@
 //! A scenario is composed of the parameters of the rooms, so that its type lives here and not among the artifacts that
 //! stages share.
 
+mod check;
 mod fault;
 mod preset;
+mod version;
 
 pub use fault::{Fault, FaultKind};
 pub use preset::{Length, PRESETS, preset};
 
 use crate::act::{ClipParams, Event, HeadMotion, Timeline};
 use crate::clock::Flash;
-use crate::film::{Film, Sensor};
+use crate::film::{Film, Sensor, Transfer};
 use crate::light::Ambient;
 use crate::take::{Hands, PaintPlan, Placement, Spaces};
 use crate::{Error, calibration, wrinkle};
@@ -100,6 +102,11 @@ pub enum Performance {
     Recording(ClipParams),
 }
 
+impl Performance {
+    /// Where the list of events stands in a scenario.
+    pub(crate) const EVENTS: &'static str = "performance.events.events";
+}
+
 /// How long a take is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -134,7 +141,7 @@ impl Scenario {
     /// # Errors
     /// Names the parameter.
     pub fn validate(&self) -> Result<(), Error> {
-        self.check_extent()?;
+        self.extent.check()?;
         let positive = |x: f64| x > 0.0 && x.is_finite();
         if !(500..=1_500_000).contains(&self.vertices) {
             return Err(Error::parameter("vertices", "must lie between 500 and 1 500 000"));
@@ -158,15 +165,9 @@ impl Scenario {
         self.film.check()?;
         self.sensor.check()?;
         self.calibration.check()?;
-        match &self.performance {
-            Performance::Standard => {}
-            Performance::Events(timeline) => timeline.check("performance")?,
-            Performance::Recording(clip) => clip.check("performance")?,
-        }
-        Timeline { events: self.events.clone(), seed: self.seed }.check("events")?;
-        for (id, camera) in &self.cameras {
-            camera.check(id)?;
-        }
+        self.check_performance()?;
+        self.check_cameras()?;
+        self.check_flash()?;
         if let Some(paint) =
             self.lines.paints.iter().find(|&paint| !self.paint.stroke_colors.contains_key(paint))
         {
@@ -174,40 +175,6 @@ impl Scenario {
             return Err(Error::parameter("paint.stroke_colors", what));
         }
         self.check_faults()
-    }
-
-    fn check_extent(&self) -> Result<(), Error> {
-        let Extent { frames, first_frame, rate, wrinkle_every, pace, .. } = &self.extent;
-        let wrong = |field: &str, what: &str| Err(Error::parameter(format!("extent.{field}"), what));
-        if !(1..=1_000_000).contains(frames) {
-            return wrong("frames", "must lie between 1 and 1 000 000");
-        }
-        if first_frame.abs() > 1_000_000_000 {
-            return wrong("first_frame", "must lie within a billion of 0");
-        }
-        if rate.check("extent.rate").is_err() {
-            return wrong("rate", "must be a positive number of frames in a positive number of seconds");
-        }
-        if *wrinkle_every == 0 {
-            return wrong("wrinkle_every", "must be at least 1: 4 takes every fourth frame");
-        }
-        if !(*pace > 0.0 && *pace <= 1e3) {
-            return wrong("pace", "must be above 0 and at most 1000");
-        }
-        Ok(())
-    }
-
-    fn check_faults(&self) -> Result<(), Error> {
-        let ids: Vec<String> = self.placements().into_keys().collect();
-        for (number, fault) in self.faults.iter().enumerate() {
-            let place = format!("faults[{number}]");
-            fault.check(&place)?;
-            if let Some(camera) = fault.camera.as_ref().filter(|camera| !ids.contains(camera)) {
-                let what = format!("there is no camera {camera}; there are {}", ids.join(", "));
-                return Err(Error::parameter(place, what));
-            }
-        }
-        Ok(())
     }
 
     /// The cameras as placed, at the size of the images.
@@ -226,6 +193,19 @@ impl Scenario {
         let mut amounts =
             self.faults.iter().filter(|fault| fault.kind == kind && fault.hits(camera)).peekable();
         amounts.peek().is_some().then(|| amounts.map(|fault| fault.amount).sum())
+    }
+
+    /// A camera's sensor, with its faults.
+    #[must_use]
+    pub fn sensor_of(&self, camera: &str) -> Sensor {
+        let mut sensor = self.sensor.clone();
+        if let Some(blur) = self.fault(FaultKind::Defocused, camera) {
+            sensor.lens_blur_px = sensor.lens_blur_px.hypot(blur);
+        }
+        if let Some(gamma) = self.fault(FaultKind::Gamma, camera) {
+            sensor.transfer = Transfer::Gamma(gamma);
+        }
+        sensor
     }
 }
 

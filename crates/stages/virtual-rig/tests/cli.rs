@@ -66,6 +66,8 @@ fn a_take_is_whole_and_its_manifest_comes_last() {
     let manifest = json(&made[Path::new("take/take.json")]);
     let scan = artifact::sha256_of(&made[Path::new("take/scan.obj")]);
     assert_eq!(manifest["data"]["references"]["scan"]["sha256"], scan.as_str());
+    let scenario = artifact::sha256_of(&made[Path::new("truth/scenario.json")]);
+    assert_eq!(manifest["data"]["references"]["scenario"]["sha256"], scenario.as_str());
     let take = artifact::sha256_of(&made[Path::new("take/take.json")]);
     let header = json(lines(&made[Path::new("truth/markers.jsonl")])[0].as_bytes());
     assert_eq!(header["data"]["take"]["sha256"], take.as_str());
@@ -187,15 +189,39 @@ fn truth_comes_without_footage_too() {
     let filmed = make(&folder, "filmed", "");
     let plain = make(&folder, "plain", "--no-footage");
     assert!(!plain.keys().any(|path| path.extension().is_some_and(|ending| ending == "png")));
-    for name in [
-        "take/take.json",
-        "truth/markers.jsonl",
-        "truth/pose.jsonl",
-        "truth/valleys.jsonl",
-        "truth/wrinkled.pc2",
-    ] {
+    for name in ["take/scan.obj", "truth/scenario.json", "truth/wrinkled.pc2"] {
         assert_eq!(plain[Path::new(name)], filmed[Path::new(name)], "{name}");
     }
+    for name in ["truth/sync.jsonl", "truth/markers.jsonl", "truth/pose.jsonl", "truth/valleys.jsonl"] {
+        // The headers name their manifests.
+        let [plain, filmed] = [&plain, &filmed].map(|files| lines(&files[Path::new(name)])[1..].to_vec());
+        assert_eq!(plain, filmed, "{name}");
+    }
+    let about_images =
+        ["take/labels.json", "truth/tracks-2d.jsonl", "truth/wrinkles-2d.jsonl", "truth/sections.jsonl"];
+    for name in about_images.iter().chain(&["take/footage/m1.csv"]) {
+        assert!(filmed.contains_key(Path::new(name)) && !plain.contains_key(Path::new(name)), "{name}");
+    }
+    let manifest = json(&plain[Path::new("take/take.json")]);
+    let cameras = manifest["data"]["cameras"].as_array().unwrap();
+    assert!(cameras.len() == 8 && cameras.iter().all(|camera| camera["footage"].is_null()), "{manifest}");
+}
+
+/// Takes that differ have manifests that differ; the published seed is the published scenario.
+#[test]
+fn no_two_takes_share_a_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    let manifest = |out: &str, more: &str| {
+        make(&folder, out, &format!("--no-footage {more}"))[Path::new("take/take.json")].clone()
+    };
+    let plain = manifest("plain", "");
+    assert_eq!(json(&plain)["data"]["take"], "standard-1+-1");
+    assert_eq!(manifest("again", "--seed 1"), plain);
+    assert_ne!(manifest("rotated", "--fault rotated=2@m2"), plain);
+    let printed = |more: &str| succeed(&folder, &format!("scenario {more}")).stdout;
+    assert_eq!(printed("--seed 1"), printed(""));
+    assert_eq!(json(&printed(""))["data"]["name"], "standard-1");
+    assert_eq!(json(&printed("--fault mirrored=1@m1"))["data"]["name"], "standard-1+");
 }
 
 #[test]

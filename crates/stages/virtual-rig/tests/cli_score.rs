@@ -305,7 +305,11 @@ fn what_cannot_be_compared_is_refused() {
     refuse(&folder, "wrinkled truth/large-scale.json --truth truth", &["holds 'large-scale/1'"]);
     refuse(&folder, "sync nothing.jsonl --truth truth", &["nothing.jsonl"]);
     refuse(&folder, "sync truth/sync.jsonl --truth truth --against x", &["--against: the kind sync"]);
-    refuse(&folder, "sync truth/sync.jsonl --truth truth --unit mm", &["--unit: the kind sync"]);
+    refuse(
+        &folder,
+        "sync truth/sync.jsonl --truth truth --marker-unit mm",
+        &["--marker-unit: the kind sync"],
+    );
     refuse(&folder, "masks nothing --truth truth", &["nothing: is not there"]);
     refuse(&folder, "masks take --truth truth", &["take: holds no picture", "take/m1/001001.png"]);
     refuse(&folder, "masks truth/paint/m1/001001.png --truth truth", &["a single picture", "--against"]);

@@ -280,10 +280,11 @@ fn the_board_fits_into_every_cameras_view() {
         (scenario.vertices, scenario.seed) = (2000, seed);
         let studio = Studio::set_up(scenario, Given::default()).unwrap();
         let views = &studio.scenario().calibration.boards;
-        let cameras: Vec<_> = studio.stations().values().map(|station| station.calibrated.clone()).collect();
+        let stations = studio.stations().iter();
+        let cameras: Vec<_> = stations.map(|(id, station)| (id.as_str(), &station.calibrated)).collect();
         let poses = board_poses(&cameras, views, seed).unwrap();
         let seen = |camera| poses.iter().filter(|pose| is_seen_whole(camera, &views.board, pose)).count();
-        let least = cameras.iter().map(seen).min().unwrap();
+        let least = cameras.iter().map(|(_, camera)| seen(camera)).min().unwrap();
         assert!(least >= views.count / 4, "a camera sees {least} of {}", views.count);
     }
 }

@@ -38,12 +38,98 @@ fn broken_scenarios_are_refused_by_place() {
         ("/data/head/shift_mm", json!(1e9), "head.shift_mm"),
         ("/data/cameras", camera("focal_px", json!(-700.0)), "cameras.m1.focal_px"),
         ("/data/cameras", camera("image_size", json!([0, 240])), "cameras.m1.image_size"),
+        ("/data/light/gradient", json!([0.9, 0.9, 0.0]), "light.gradient"),
+        ("/data/lines/paints", json!([]), "lines.paints"),
+        ("/data/lines/width", json!(9.0), "lines.width"),
+        ("/data/folds/reach", json!(1.0), "folds.reach"),
+        ("/data/extent/wrinkle_phase", json!(4), "extent.wrinkle_phase"),
+        ("/data/events", json!([event(0.0)]), "events[0].rise_s"),
+        (
+            "/data/performance",
+            json!({"events": {"events": [event(0.0)]}}),
+            "performance.events.events[0].rise_s",
+        ),
+        ("/data/performance", json!({"recording": {"speed": -1.0}}), "performance.recording."),
+        ("/data/paint/texture", json!(0.5), "paint.texture: uneven cover is not simulated"),
+        ("/data/sensor/bits", json!(16), "sensor.bits: is 16"),
+        ("/data/flash", flash(1, -3.0), "flash.factor"),
+        ("/data/flash", flash(1, 1e300), "flash.factor"),
     ] {
         changed(&folder, "s.json", pointer, value);
         refused(&folder, 1, "--scenario s.json", &["s.json", place]);
     }
     changed(&folder, "s.json", "/data/cameras", camera("target_mm", json!([0.0, 5000.0, 45.0])));
     refused(&folder, 1, "--scenario s.json", &["cameras.m1: sees 0 % of the face", "move it"]);
+}
+
+fn event(rise_s: f64) -> Value {
+    json!({"action": "smile", "start_s": 0.0, "rise_s": rise_s, "hold_s": 0.1, "fall_s": 0.1, "strength": 1.0})
+}
+
+fn flash(mocap_frame: i64, factor: f64) -> Value {
+    json!({"mocap_frame": mocap_frame, "length_s": 0.1, "factor": factor})
+}
+
+/// Ids of cameras are names of folders: no take may write beside its own.
+#[test]
+fn ids_that_are_paths_are_refused() {
+    for id in ["../../evil", "a/b", "..", "", "m 1", "C:"] {
+        let folder = tempfile::tempdir().unwrap();
+        let cameras = json!({ id: camera("roll_deg", json!(0.0))["m1"] });
+        changed(&folder, "s.json", "/data/cameras", cameras);
+        refused(&folder, 1, "--scenario s.json", &["s.json", "cameras", "is no id of a camera"]);
+        assert_eq!(rig::files(folder.path()).len(), 1, "{id}");
+    }
+}
+
+/// What is wrong only once all is put together is said before the first file is written, and where it can be mended.
+#[test]
+fn what_cannot_be_filmed_leaves_no_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let thrice = "--fault defocused=20 --fault defocused=20@m1";
+    refused(
+        &folder,
+        1,
+        thrice,
+        &["--scenario standard", "faults[1]", "camera m1", "defocused=40", "to do: "],
+    );
+    refused(&folder, 1, "--fault focal=-0.5 --fault focal=-0.5@m2", &["faults[1]", "camera m2", "focal=-1"]);
+    for (pointer, value, words) in [
+        ("/data/sensor/lens_blur_px", json!(49.0), ["sensor.lens_blur_px", "faults of camera m1"]),
+        ("/data/flash", flash(500, 3.0), ["flash.mocap_frame", "camera m1 has no picture of it"]),
+        (
+            "/data/events",
+            json!([{"action": "wink", "start_s": 0.0}]),
+            ["events[0].action", "'wink' is no shape"],
+        ),
+    ] {
+        changed(&folder, "s.json", pointer, value);
+        let words = [&["--scenario s.json", "to do: "], words.as_slice()].concat();
+        refused(&folder, 1, "--scenario s.json --fault defocused=20@m1", &words);
+    }
+    let output = call(&folder, "make --image-scale 0.01 --out out");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("image_scale: makes images of 7 × 5 px for camera m1"), "{message}");
+    assert!(output.status.code() == Some(1) && !folder.path().join("out").exists(), "{message}");
+    let board = json!({"chessboard": {"columns": 8, "rows": 6, "square_mm": 400.0}});
+    changed(&folder, "s.json", "/data/calibration/boards", json!({"board": board, "count": 1}));
+    let output = call(&folder, "make --scenario s.json --out out");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("calibration.boards: camera m1 sees the board whole nowhere"), "{message}");
+    assert!(output.status.code() == Some(1) && !folder.path().join("out").exists(), "{message}");
+}
+
+#[test]
+fn cameras_that_show_no_face_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (change, value, word) in [
+        ("azimuth_deg", 180.0, "2 % of the markers face it"),
+        ("focal_px", 1e-300, "shows the face 0.0 px large"),
+        ("distance_mm", 1e7, "px large"),
+    ] {
+        changed(&folder, "s.json", "/data/cameras", camera(change, json!(value)));
+        refused(&folder, 1, "--scenario s.json", &["cameras.m1: ", word, "to do: "]);
+    }
 }
 
 #[test]
@@ -109,6 +195,8 @@ fn scans_are_taken_or_refused_by_name() {
     refused(&folder, 1, "--mesh mm.obj --unit mm --landmarks odd.csv", &["landmark elbow is not known"]);
     refused(&folder, 1, "--mesh mm.obj --unit mm --landmarks none.csv", &["none.csv", "cannot read"]);
     refused(&folder, 2, "--mesh mm.obj --unit mm", &["--landmarks"]);
+    refused(&folder, 2, "--unit mm", &["--mesh"]);
+    refused(&folder, 2, "--landmarks marks.csv", &["--mesh"]);
     plant(&folder, "smile.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let given = "--mesh mm.obj --unit mm --landmarks marks.csv";
     refused(&folder, 1, &format!("{given} --shape smile=smile.obj"), &["smile.obj: 3 vertices"]);

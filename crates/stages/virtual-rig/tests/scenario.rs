@@ -67,6 +67,74 @@ fn lengths_are_what_they_say() {
     assert!("endless".parse::<Length>().unwrap_err().contains("tiny, short or long"));
 }
 
+fn of_length(mut scenario: Scenario, length: &str) -> Scenario {
+    length.parse::<Length>().unwrap().apply(&mut scenario);
+    scenario.check().unwrap();
+    scenario
+}
+
+/// A length leaves nothing of another one, nor of a scenario's own; `short` is what is published.
+#[test]
+fn a_length_sets_all_that_it_owns() {
+    for (name, _) in PRESETS {
+        let published = preset(name).unwrap();
+        let mut own = published.clone();
+        own.extent.wrinkle_every = 1;
+        (own.extent.pace, own.image_scale, own.vertices) = (3.0, 0.31, 777);
+        (own.calibration.boards.count, own.calibration.wand.frames) = (3, 4);
+        assert_eq!(of_length(published.clone(), "short"), published);
+        for length in ["tiny", "short", "long"] {
+            let wanted = of_length(published.clone(), length);
+            assert_eq!(of_length(own.clone(), length), wanted, "{length}");
+            for before in ["tiny", "short", "long"] {
+                assert_eq!(
+                    of_length(of_length(published.clone(), before), length),
+                    wanted,
+                    "{before}, {length}"
+                );
+            }
+        }
+    }
+}
+
+/// Videos need even sides.
+#[test]
+fn images_of_all_lengths_have_even_sides() {
+    for length in ["tiny", "short", "long"] {
+        for (id, camera) in of_length(preset("standard").unwrap(), length).placements() {
+            let [width, height] = camera.image_size;
+            assert!(width % 2 == 0 && height % 2 == 0, "{length}, {id}: {width} × {height}");
+        }
+    }
+}
+
+/// Scenarios of one name and seed are the same.
+#[test]
+fn a_changed_scenario_changes_its_name() {
+    let published = preset("standard").unwrap();
+    let named = |change: &dyn Fn(&mut Scenario)| {
+        let mut scenario = published.clone();
+        change(&mut scenario);
+        scenario.mark_changes(&published);
+        scenario.name
+    };
+    assert_eq!(named(&|_| {}), "standard-1");
+    assert_eq!(named(&|scenario| *scenario = scenario.clone().with_seed(2)), "standard-1");
+    assert_eq!(named(&|scenario| scenario.seed = 2), "standard-1+", "the head's motion did not follow");
+    assert_eq!(named(&|scenario| scenario.faults.push("rotated=2@m2".parse().unwrap())), "standard-1+");
+    assert_eq!(named(&|scenario| *scenario = of_length(scenario.clone(), "tiny")), "standard-1+");
+    assert_eq!(published.clone().with_seed(1), published, "its own seed");
+
+    let mut own = Scenario { name: "standard-1".into(), ..of_length(published.clone(), "tiny") };
+    let read = own.clone();
+    own.mark_changes(&read);
+    assert_eq!(own.name, "standard-1+", "a published name on another scenario");
+    let read = own.clone();
+    own.vertices += 1;
+    own.mark_changes(&read);
+    assert_eq!(own.name, "standard-1+", "one mark is enough");
+}
+
 #[test]
 fn the_schema_in_the_docs_is_that_of_the_code() {
     let path = in_repository("docs/schema/scenario-1.json");

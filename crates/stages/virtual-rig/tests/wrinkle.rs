@@ -381,7 +381,7 @@ fn lines_are_cut_at_the_edge_of_the_skin_or_refused() {
     else {
         panic!("a line off the mesh was laid onto it");
     };
-    assert_eq!(place, "wrinkles.lines.off");
+    assert_eq!(place, "lines: off");
     assert!(what.contains("beyond the mesh"), "{what}");
 }
 

@@ -78,6 +78,9 @@ const CODE_FRAMES: f64 = 60.0;
 /// Seconds after which a time code begins anew.
 const DAY_S: f64 = 86_400.0;
 
+/// Where its parameters stand in a scenario.
+const PLACE: &str = "performance.recording";
+
 impl Clip {
     /// Reads the text of a Live Link Face CSV: a header with `Timecode` (`HH:MM:SS:FF.mmm`, FF in sixtieths of a second)
     /// and one column per curve, in any order.
@@ -133,15 +136,15 @@ impl Clip {
     /// # Errors
     /// Parameters that make no sense, a start after the end of the recording, or no shape at all that a curve drives.
     pub fn bind(&self, params: &ClipParams, shapes: &[String]) -> Result<Performance, crate::Error> {
-        params.check("clip")?;
+        params.check(PLACE)?;
         if params.start_s >= self.length_s() {
             let what =
                 format!("{} s is past the end of the recording ({:.2} s)", params.start_s, self.length_s());
-            return Err(refuse("clip.start_s", what));
+            return Err(refuse(format!("{PLACE}.start_s"), what));
         }
         if self.undriven(shapes).len() == shapes.len() {
             return Err(refuse(
-                "clip",
+                PLACE,
                 format!("no curve drives any shape of this body ({})", shapes.join(", ")),
             ));
         }

@@ -92,9 +92,9 @@ impl Timeline {
     /// Refuses durations and strengths that make no sense.
     ///
     /// # Errors
-    /// Names the event below `place`.
+    /// Names the event; `place` is where the list of them stands.
     pub fn check(&self, place: &str) -> Result<(), crate::Error> {
-        self.events.iter().enumerate().try_for_each(|(i, event)| event.check(&format!("{place}.events[{i}]")))
+        self.events.iter().enumerate().try_for_each(|(i, event)| event.check(&format!("{place}[{i}]")))
     }
 
     /// Resolves every event on the shapes of a body.
@@ -103,9 +103,14 @@ impl Timeline {
     /// As [`Timeline::check`]; names an action that is neither a shape nor a preset, or a preset whose shapes the body
     /// lacks.
     pub fn bind(&self, shapes: &[String]) -> Result<Performance, crate::Error> {
-        self.check("timeline")?;
+        self.bind_at("events", shapes)
+    }
+
+    /// As [`Timeline::bind`]; `place` is where the list of events stands.
+    pub(crate) fn bind_at(&self, place: &str, shapes: &[String]) -> Result<Performance, crate::Error> {
+        self.check(place)?;
         let bound = |(i, event): (usize, &Event)| {
-            let place = format!("timeline.events[{i}].action");
+            let place = format!("{place}[{i}].action");
             let parts = match event.action.as_str() {
                 SPEECH_NAME if !shapes.iter().any(|shape| shape == SPEECH_NAME) => {
                     let voice = |channel: usize| Band::new(self.seed, (16 * i + channel) as u64, SPEECH_HZ);

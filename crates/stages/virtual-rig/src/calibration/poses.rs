@@ -72,13 +72,23 @@ const SHARED_WORTH: f64 = 0.5;
 /// A part of a camera's image.
 type Part = (usize, [u8; 2]);
 
-/// Poses `world_from_board` of a board that is waved before the cameras: each view aims at a place in one camera's image
+/// Poses `world_from_board` of a board that is waved before the cameras (by id): each view aims at a place in one camera's image
 /// (the cameras take turns), at a varying distance, tilted and turned by chance. Of 80 candidates the one is kept that
 /// shows corners in parts of the images that few views have covered yet, and is seen whole by many cameras.
 ///
 /// # Errors
 /// If the cameras' views do not meet, or one cannot see the board whole anywhere.
-pub fn board_poses(cameras: &[Camera], views: &BoardViews, seed: u64) -> Result<Vec<Isometry3<f64>>, Error> {
+pub fn board_poses(
+    cameras: &[(&str, &Camera)],
+    views: &BoardViews,
+    seed: u64,
+) -> Result<Vec<Isometry3<f64>>, Error> {
+    if views.count == 0 {
+        return Ok(Vec::new());
+    }
+    let (ids, cameras): (Vec<&str>, Vec<Camera>) =
+        cameras.iter().map(|(id, camera)| (*id, (*camera).clone())).unzip();
+    let cameras = cameras.as_slice();
     let refuse = |what: String| Error::Parameter { place: "calibration.boards".into(), what };
     let volume = common_volume(cameras).ok_or_else(|| refuse("the cameras' views do not meet".into()))?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xb0a2d);
@@ -100,7 +110,8 @@ pub fn board_poses(cameras: &[Camera], views: &BoardViews, seed: u64) -> Result<
             }
         }
         let (_, pose, parts) = best.ok_or_else(|| {
-            refuse(format!("camera {aimed} (from 0) sees the board whole nowhere; take a smaller board"))
+            let id = ids[aimed];
+            refuse(format!("camera {id} sees the board whole nowhere; take a smaller board"))
         })?;
         parts.into_iter().for_each(|part| *covered.entry(part).or_default() += 1);
         poses.push(pose);

@@ -108,7 +108,7 @@ pub struct Sensor {
     pub noise_at_mid_grey: f64,
     /// What radiance is multiplied by before it is stored; 1 is stored as white.
     pub gain: f64,
-    /// Bits per stored value: 8 or 16.
+    /// Bits per stored value: 8, which is all that footage has.
     pub bits: u32,
     /// From linear light to stored values.
     pub transfer: Transfer,
@@ -141,9 +141,11 @@ impl Sensor {
             format!("is {noise}; 0 to 1 would do")
         })?;
         let gain = self.gain;
-        require(gain.is_finite() && gain > 0.0, "sensor.gain", || format!("is {gain}; it must be positive"))?;
-        require(matches!(self.bits, 8 | 16), "sensor.bits", || {
-            format!("is {}; 8 or 16 would do", self.bits)
+        require((1e-6..=1e6).contains(&gain), "sensor.gain", || {
+            format!("is {gain}; 0.000001 to 1000000 would do")
+        })?;
+        require(self.bits == 8, "sensor.bits", || {
+            format!("is {}; images are stored with 8 bits, so say 8", self.bits)
         })?;
         match self.transfer {
             Transfer::Gamma(gamma) => require((0.2..=5.0).contains(&gamma), "sensor.transfer.gamma", || {
@@ -178,14 +180,16 @@ mod tests {
         );
         let nan = Sensor { lens_blur_px: f64::NAN, ..Sensor::default() };
         assert!(complaint(nan.check()).contains("sensor.lens_blur_px"));
+        let deep = Sensor { bits: 16, ..Sensor::default() };
+        assert!(complaint(deep.check()).contains("sensor.bits"));
         let gamma = Sensor { transfer: Transfer::Gamma(0.0), ..Sensor::default() };
         assert!(complaint(gamma.check()).contains("sensor.transfer.gamma"));
     }
 
     #[test]
     fn a_sensor_reads_as_it_is_written_and_refuses_unknown_keys() {
-        let sensor: Sensor = serde_json::from_str(r#"{"transfer": {"gamma": 2.2}, "bits": 16}"#).unwrap();
-        assert_eq!((sensor.transfer, sensor.bits), (Transfer::Gamma(2.2), 16));
+        let sensor: Sensor = serde_json::from_str(r#"{"transfer": {"gamma": 2.2}, "gain": 2.0}"#).unwrap();
+        assert_eq!((sensor.transfer, sensor.gain), (Transfer::Gamma(2.2), 2.0));
         let again: Sensor = serde_json::from_str(&serde_json::to_string(&sensor).unwrap()).unwrap();
         assert_eq!(again, sensor);
         assert!(serde_json::from_str::<Sensor>(r#"{"blur": 1}"#).is_err());

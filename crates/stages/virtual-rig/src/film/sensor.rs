@@ -23,7 +23,7 @@ pub fn develop(exposure: &Exposure, sensor: &Sensor, grain: Grain) -> Result<Vec
     Ok(store(exposure, sensor, grain, |light| codes.of_light(light)))
 }
 
-/// The same in 16 bits, whatever the sensor's `bits` say.
+/// The same in 16 bits, for measurements: footage has 8.
 ///
 /// # Errors
 /// [`Error::Parameter`] if the sensor's parameters make no sense.

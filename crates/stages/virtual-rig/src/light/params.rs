@@ -81,7 +81,7 @@ impl Ambient {
             ("interreflection.bounces", (1..=16).contains(&bounces), "must lie between 1 and 16"),
         ] {
             if !good {
-                return Err(Error::Parameter { place: format!("ambient.{name}"), what: what.into() });
+                return Err(Error::Parameter { place: format!("light.{name}"), what: what.into() });
             }
         }
         Ok(())
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn a_negative_sky_is_named() {
         let sky = Ambient { gradient: [0.9, 0.9, 0.0], ..Ambient::default() };
-        assert!(sky.check().unwrap_err().to_string().starts_with("ambient.gradient"));
+        assert!(sky.check().unwrap_err().to_string().starts_with("light.gradient"));
         let sky = Ambient { gradient: [f64::NAN, 0.0, 0.0], ..Ambient::default() };
         assert!(sky.check().is_err());
     }

@@ -23,7 +23,7 @@ pub struct PaintPlan {
     pub smear_mm: f64,
     /// Share of a stroke's length where the paint is gone.
     pub missing: f64,
-    /// Uneven cover of strokes: relative amplitude of the paint's texture.
+    /// Uneven cover of strokes: 0, since none is simulated; missing paint is.
     pub texture: f64,
 }
 
@@ -64,8 +64,11 @@ impl PaintPlan {
         if !(self.smear_mm >= 0.0 && self.smear_mm.is_finite()) {
             return wrong("smear_mm", "must not be negative");
         }
-        if !share(self.missing) || !share(self.texture) {
-            return wrong("missing", "missing and texture are shares from 0 to 1");
+        if !share(self.missing) {
+            return wrong("missing", "is a share from 0 to 1");
+        }
+        if self.texture != 0.0 {
+            return wrong("texture", "uneven cover is not simulated; say 0");
         }
         if self.stroke_colors.len() < 2 {
             return wrong("stroke_colors", "name at least two colours: neighbouring wrinkles take turns");

@@ -22,12 +22,13 @@ impl Studio {
     /// When each camera films.
     ///
     /// # Errors
-    /// Clocks or faults that leave a camera without an image of the take's frames.
+    /// Clocks or faults that leave a camera without an image of the take's frames, a flash that a camera misses.
     pub fn schedule(&self) -> Result<Schedule, Error> {
         let extent = &self.scenario.extent;
         let cameras: Vec<Timed> = self.stations.iter().map(|(id, station)| self.timed(id, station)).collect();
         let duration_s = f64::from(extent.frames) / extent.rate.hz();
         let schedule = Schedule::plan(&cameras, extent.rate, duration_s, self.scenario.seed)?;
+        self.check_flash(&schedule)?;
         let captured = |entry: &Entry| (0..i64::from(extent.frames)).contains(&entry.mocap_frame);
         match schedule.cameras.iter().find(|(_, entries)| !entries.iter().any(captured)) {
             None => Ok(schedule),

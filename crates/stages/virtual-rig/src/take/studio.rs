@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::act::{Clip, Performance};
 use crate::body::{Base, Body};
+use crate::clock::Schedule;
 use crate::light::{self, Plan};
 use crate::paint::{Dot, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates};
 use crate::scenario::{self, Scenario};
@@ -69,7 +70,7 @@ impl Studio {
         let bare = Layers::build(rest, &normals, &body.triangles, Vec::new(), Vec::new());
         let (performance, events) = perform(&scenario, &body, given.clip)?;
         let headband = Headband::of(&body, &scenario);
-        let stations = stations(&scenario, &body)?;
+        let stations = stations(&scenario, &body, &normals)?;
         let (plan, baked) = light_at_rest(&scenario, &body, &wrinkles, &normals);
         Ok(Self {
             scenario,
@@ -83,6 +84,15 @@ impl Studio {
             events,
             plan,
             baked,
+        })
+    }
+
+    /// Refuses a flash that a camera misses: each has a shutter of its own.
+    pub(super) fn check_flash(&self, schedule: &Schedule) -> Result<(), Error> {
+        let Some(flash) = &self.scenario.flash else { return Ok(()) };
+        schedule.cameras.iter().try_for_each(|camera| {
+            let alone = Schedule { cameras: vec![camera.clone()] };
+            flash.check(&alone, self.scenario.extent.rate, self.stations[&camera.0].exposure_s)
         })
     }
 
@@ -141,7 +151,9 @@ fn perform(
         (scenario::Performance::Standard, None) => {
             Timeline::standard(scenario.extent.performance_s(), scenario.seed).bind(shapes)
         }
-        (scenario::Performance::Events(timeline), None) => timeline.bind(shapes),
+        (scenario::Performance::Events(timeline), None) => {
+            timeline.bind_at(scenario::Performance::EVENTS, shapes)
+        }
         (scenario::Performance::Recording(params), Some(clip)) => clip.bind(params, shapes),
         (scenario::Performance::Recording(_), None) => Err(Error::parameter(
             "performance",

@@ -74,17 +74,17 @@ impl Params {
     /// # Errors
     /// [`Error::Parameter`] that names the one that does not.
     pub fn check(&self) -> Result<(), Error> {
-        within("wrinkles.reach", self.reach, 3.0, 20.0)?;
-        within("wrinkles.fade_from", self.fade_from, 2.0, self.reach)?;
-        within("wrinkles.d_over_w_max", self.d_over_w_max, 0.0, 1.0)?;
-        within("wrinkles.growth_max", self.growth_max, 1.0, 2.0)?;
-        within("wrinkles.onset", self.onset, 0.0, 0.1)?;
-        within("wrinkles.station_mm", self.station_mm, 0.05, 5.0)?;
-        within("wrinkles.smoothing_mm", self.smoothing_mm, 0.0, 20.0)?;
+        within("folds.reach", self.reach, 3.0, 20.0)?;
+        within("folds.fade_from", self.fade_from, 2.0, self.reach)?;
+        within("folds.d_over_w_max", self.d_over_w_max, 0.0, 1.0)?;
+        within("folds.growth_max", self.growth_max, 1.0, 2.0)?;
+        within("folds.onset", self.onset, 0.0, 0.1)?;
+        within("folds.station_mm", self.station_mm, 0.05, 5.0)?;
+        within("folds.smoothing_mm", self.smoothing_mm, 0.0, 20.0)?;
         match self.fixed {
             Some(fixed) => {
-                within("wrinkles.fixed.w_mm", fixed.w_mm, 0.05, 20.0)?;
-                within("wrinkles.fixed.d_over_w", fixed.d_over_w, 0.0, 1.0)
+                within("folds.fixed.w_mm", fixed.w_mm, 0.05, 20.0)?;
+                within("folds.fixed.d_over_w", fixed.d_over_w, 0.0, 1.0)
             }
             None => Ok(()),
         }
@@ -141,11 +141,11 @@ impl Style {
     /// # Errors
     /// [`Error::Parameter`] that names the one that does not.
     pub fn check(&self) -> Result<(), Error> {
-        within("wrinkles.style.width", self.width, 0.3, 3.0)?;
-        within("wrinkles.style.variation", self.variation, 0.0, 2.0)?;
+        within("lines.width", self.width, 0.3, 3.0)?;
+        within("lines.variation", self.variation, 0.0, 2.0)?;
         match self.paints.is_empty() {
             true => Err(Error::Parameter {
-                place: "wrinkles.style.paints".to_string(),
+                place: "lines.paints".to_string(),
                 what: "no colour is named; name at least one".to_string(),
             }),
             false => Ok(()),

@@ -141,7 +141,7 @@ fn check_length(line: &WrinkleLine, length: f64) -> Result<(), Error> {
         }
         _ => return Ok(()),
     };
-    Err(Error::Parameter { place: format!("wrinkles.lines.{}", line.id), what })
+    Err(Error::Parameter { place: format!("lines: {}", line.id), what })
 }
 
 /// A path in steps of at most [`LAY_STEP`].

@@ -1,6 +1,6 @@
 //! Which scenario, and what is changed about it.
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use stage::Run;
 use std::path::Path;
 use virtual_rig::scenario::{Fault, Length, PRESETS, Scenario, preset};
@@ -10,7 +10,8 @@ pub(crate) struct Choice {
     /// Scenario: clean, standard, hard, or a file
     #[arg(long, value_name = "NAME|FILE", default_value = "standard")]
     scenario: String,
-    /// Length: tiny (3 + 1 frames, small), short (25 + 7) or long (500 + 125); the scenario's own if absent
+    /// Length: tiny (3 + 1 frames, small), short (25 + 7) or long (500 + 125), each with its vertices, image scale and
+    /// calibration; the scenario's own if absent
     #[arg(long, value_name = "tiny|short|long")]
     length: Option<Length>,
     /// Seed: another person, performance, paint and noise
@@ -33,20 +34,28 @@ pub(crate) struct Choice {
 impl Choice {
     /// The scenario with all changes, checked.
     pub(crate) fn scenario(&self, run: &mut Run) -> anyhow::Result<Scenario> {
-        let mut scenario = self.named(run)?;
+        let read = self.named(run)?;
+        let mut scenario = read.clone().with_seed(self.seed.unwrap_or(read.seed));
         if let Some(length) = self.length {
             length.apply(&mut scenario);
-        }
-        if let Some(seed) = self.seed {
-            scenario.seed = seed;
-            scenario.head.seed = seed;
         }
         scenario.vertices = self.vertices.unwrap_or(scenario.vertices);
         scenario.extent.frames = self.count.unwrap_or(scenario.extent.frames);
         scenario.image_scale = self.image_scale.unwrap_or(scenario.image_scale);
         scenario.faults.extend(self.fault.iter().cloned());
-        scenario.validate()?;
+        scenario.mark_changes(&read);
+        self.explain(scenario.validate())?;
         Ok(scenario)
+    }
+
+    /// Says of what is wrong with a scenario which one it is, and what to do.
+    pub(crate) fn explain<T>(&self, outcome: Result<T, virtual_rig::Error>) -> anyhow::Result<T> {
+        outcome.map_err(|error| {
+            anyhow!(
+                "--scenario {}: {error}\n  to do: change it in the scenario (virtual-rig scenario prints it), or by the options",
+                self.scenario
+            )
+        })
     }
 
     fn named(&self, run: &mut Run) -> anyhow::Result<Scenario> {

@@ -70,7 +70,7 @@ pub(super) fn film(
     drop(progress);
     run.result("images", images);
     let mut outputs = footage.finish()?;
-    outputs.extend(records.finish()?);
+    outputs.extend(records.finish(!arguments.no_footage)?);
     if !labels.is_empty() {
         let frame = extent.first_frame + labelled;
         let labels = Labels { take: Some(paper.take.clone()), frame, cameras: labels };

@@ -1,9 +1,10 @@
 //! What is given beside the scenario: a scan or an expression set, recorded weights.
 
 use anyhow::{Context, bail};
-use artifact::{Consent, Unit, picks, picture};
+use artifact::{Consent, FileRef, Unit, picks, picture};
 use serde::{Serialize, Serializer};
 use stage::Run;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use virtual_rig::act::Clip;
 use virtual_rig::body::Base;
@@ -21,10 +22,10 @@ pub(crate) struct GivenFace {
     #[serde(serialize_with = "as_name")]
     mesh: Option<PathBuf>,
     /// Unit of the scan's and the landmarks' coordinates
-    #[arg(long, value_name = "mm|cm|m")]
+    #[arg(long, value_name = "mm|cm|m", requires = "mesh")]
     unit: Option<Unit>,
     /// Places of named landmarks on it: .csv (name,vertex or name,x,y,z) or .pp
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "mesh")]
     #[serde(serialize_with = "as_name")]
     landmarks: Option<PathBuf>,
     /// Its albedo, .png or .jpg; needs texture coordinates
@@ -65,13 +66,18 @@ fn named_file(text: &str) -> Result<(String, PathBuf), String> {
 }
 
 impl GivenFace {
-    /// Reads what is given.
-    pub(super) fn read(&self, run: &mut Run, scenario: &mut Scenario) -> anyhow::Result<Given> {
+    /// Reads what is given; the files by role.
+    pub(super) fn read(
+        &self,
+        run: &mut Run,
+        scenario: &mut Scenario,
+    ) -> anyhow::Result<(Given, BTreeMap<String, FileRef>)> {
+        let mut files = BTreeMap::new();
         let clip = match &self.weights {
             None => None,
             Some(path) => {
                 let text = artifact::read_text(path)?;
-                run.input("weights", path)?;
+                files.insert("weights".to_string(), run.input("weights", path)?);
                 if !matches!(scenario.performance, Performance::Recording(_)) {
                     scenario.performance = Performance::Recording(Default::default());
                 }
@@ -82,17 +88,27 @@ impl GivenFace {
             }
         };
         let base = match (&self.mesh, &self.landmarks) {
-            (Some(mesh), Some(landmarks)) => Some(self.base(run, mesh, landmarks, scenario.vertices)?),
+            (Some(mesh), Some(landmarks)) => {
+                Some(self.base(run, mesh, landmarks, scenario.vertices, &mut files)?)
+            }
             _ => None,
         };
-        Ok(Given { base, clip })
+        Ok((Given { base, clip }, files))
     }
 
-    fn base(&self, run: &mut Run, path: &Path, landmarks: &Path, vertices: usize) -> anyhow::Result<Base> {
+    fn base(
+        &self,
+        run: &mut Run,
+        path: &Path,
+        landmarks: &Path,
+        vertices: usize,
+        files: &mut BTreeMap<String, FileRef>,
+    ) -> anyhow::Result<Base> {
         let (mesh, reference) = run.mesh("mesh", path, &[("--unit", self.unit)])?;
         let picked = picks::read(landmarks, reference.unit)?;
-        run.input("landmarks", landmarks)?;
-        let texture = self.texture.as_deref().map(|path| read_texture(run, path)).transpose()?;
+        files.insert("mesh".to_string(), reference.file.clone());
+        files.insert("landmarks".to_string(), run.input("landmarks", landmarks)?);
+        let texture = self.texture.as_deref().map(|path| read_texture(run, path, files)).transpose()?;
         let notes = Notes {
             unit: reference.unit,
             landmarks: &picked,
@@ -108,7 +124,7 @@ impl GivenFace {
         let mut shapes = Vec::with_capacity(self.shape.len());
         for (name, file) in &self.shape {
             let mesh = artifact::read_mesh(file, reference.unit)?;
-            run.input(name, file)?;
+            files.insert(format!("shape-{name}"), run.input(name, file)?);
             shapes.push(Shape { name: name.clone(), file: file.display().to_string(), mesh });
         }
         let set = expressions(&mesh, &shapes, &notes).with_context(in_file)?;
@@ -160,9 +176,13 @@ fn tell(run: &mut Run, path: &Path, scan: &Scan) {
     }
 }
 
-fn read_texture(run: &mut Run, path: &Path) -> anyhow::Result<Texture> {
+fn read_texture(
+    run: &mut Run,
+    path: &Path,
+    files: &mut BTreeMap<String, FileRef>,
+) -> anyhow::Result<Texture> {
     let picture = picture::read_rgb(path)?;
-    run.input("texture", path)?;
+    files.insert("texture".to_string(), run.input("texture", path)?);
     let codes = picture.to_8_bits();
     match Texture::from_srgb(picture.width, picture.height, &codes) {
         Ok(texture) => Ok(texture),

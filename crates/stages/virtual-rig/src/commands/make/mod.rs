@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     /// One video per camera instead of PNG pictures: lossless ffv1 (.avi), or lossy h264 (.mp4) or mjpg (.avi)
     #[arg(long, value_name = "ffv1|h264|mjpg", hide_possible_values = true, conflicts_with = "no_footage")]
     video: Option<Video>,
-    /// Film nothing: write only what is true of faces, not of images
+    /// Film no take: write only what is true of faces, not of images; the manifest names no footage
     #[arg(long)]
     no_footage: bool,
     /// Leave out the pictures of normals, which take most of the room
@@ -62,7 +62,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("make");
     arguments.video.map_or(Ok(()), Video::check)?;
     let mut scenario = arguments.choice.scenario(run)?;
-    let given = arguments.given.read(run, &mut scenario)?;
+    let chosen = scenario.clone();
+    let (given, files) = arguments.given.read(run, &mut scenario)?;
+    scenario.mark_changes(&chosen);
     let frames = arguments.frames.unwrap_or(FrameRange::ALL);
     run.parameters(&Parameters {
         scenario: &scenario,
@@ -78,7 +80,14 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         );
     }
     artifact::require_new_folder(&arguments.out)?;
-    let studio = run.timed("set up", || Studio::set_up(scenario, given))?;
+    // What cannot be filmed is refused before anything is written.
+    let choice = &arguments.choice;
+    let studio = choice.explain(run.timed("set up", || Studio::set_up(scenario, given)))?;
+    let schedule = choice.explain(studio.schedule())?;
+    let calibration = match arguments.no_calibration {
+        true => None,
+        false => Some(choice.explain(calibration::Plan::new(&studio))?),
+    };
     run.say(&format!(
         "{}: {} vertices, {} markers, {} wrinkle lines, {} cameras",
         studio.scenario().name,
@@ -89,13 +98,15 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     ));
     run.result("vertices", studio.body().mesh.positions.len());
     run.result("markers", studio.marker_names().len());
-    let schedule = studio.schedule()?;
     let footage = FootageSink::new(arguments.video, &studio, &schedule, frames, &arguments.out)?;
-    let (paper, last) = paper::Paper::new(&studio, &arguments.given, arguments.video, &arguments.out)?;
+    let (paper, last) = paper::Paper::new(&studio, files, arguments)?;
     let mut outputs = paper.write_truth(&studio)?;
-    outputs.extend(paper.write_take(&studio, &schedule, &arguments.out)?);
-    if !arguments.no_calibration {
-        calibration::film(run, &studio, &arguments.out)?;
+    outputs.push(paper.write_picks(&studio)?);
+    if !arguments.no_footage {
+        outputs.extend(paper.write_stamps(&schedule)?);
+    }
+    if let Some(calibration) = calibration {
+        calibration.film(run, &arguments.out)?;
     }
     outputs.extend(film::film(run, &studio, &schedule, &paper, footage, arguments)?);
     // The manifest comes last: a folder without it is not finished.

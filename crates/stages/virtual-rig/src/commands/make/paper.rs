@@ -1,7 +1,7 @@
 //! What is written down beside the images: manifest, scan, picks, cameras, time stamps.
 
-use super::footage::{self, Video};
-use super::given;
+use super::Arguments;
+use super::footage;
 use artifact::{
     Axis, CameraRig, Clock, FileRef, MeshRef, RigCamera, Staged, Take, TakeCamera, TakeRef, Unit, obj,
     sha256, stage_bytes,
@@ -9,7 +9,7 @@ use artifact::{
 use camera::Camera;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use virtual_rig::clock::Schedule;
 use virtual_rig::film::Transfer;
 use virtual_rig::scenario::FaultKind;
@@ -17,6 +17,8 @@ use virtual_rig::take::{Station, Studio};
 
 /// What the files of a take refer to.
 pub(super) struct Paper {
+    /// Folder of what a user brings.
+    folder: PathBuf,
     /// Folder of the truth.
     pub(super) truth: PathBuf,
     /// The take.
@@ -28,14 +30,14 @@ pub(super) struct Paper {
 }
 
 impl Paper {
-    /// Writes the manifest and the scan under temporary names, since everything refers to their hashes.
+    /// Writes the manifest, the scenario and the scan under temporary names, since everything refers to their hashes.
+    /// `files`: what was given beside the scenario, by role.
     pub(super) fn new(
         studio: &Studio,
-        given: &given::GivenFace,
-        video: Option<Video>,
-        out: &Path,
+        files: BTreeMap<String, FileRef>,
+        arguments: &Arguments,
     ) -> anyhow::Result<(Self, Vec<Staged>)> {
-        let folder = out.join("take");
+        let (folder, truth) = (arguments.out.join("take"), arguments.out.join("truth"));
         let body = studio.body();
         let scan_file = obj::write(&folder.join("scan.obj"), &body.mesh, Unit::Mm)?;
         let scan = MeshRef {
@@ -43,35 +45,36 @@ impl Paper {
             unit: Unit::Mm,
             vertex_count: body.mesh.positions.len(),
         };
+        let scenario_file = artifact::write_document(&truth.join("scenario.json"), studio.scenario())?;
+        let scenario = FileRef { name: "scenario.json".into(), sha256: hash(&scenario_file)? };
         let clock = clock(studio);
-        let manifest = manifest(studio, given, video, &scan, clock);
+        let mut references = files;
+        references.extend([("scan".to_string(), scan.file.clone()), ("scenario".to_string(), scenario)]);
+        let manifest = manifest(studio, arguments, references, clock);
         let manifest_file = artifact::write_document(&folder.join("take.json"), &manifest)?;
         let take = TakeRef { take: manifest.take, session: manifest.session, sha256: hash(&manifest_file)? };
-        Ok((Self { truth: out.join("truth"), take, scan, clock }, vec![scan_file, manifest_file]))
+        Ok((Self { folder, truth, take, scan, clock }, vec![scenario_file, scan_file, manifest_file]))
     }
 
-    /// What else a user brings: which point of the scan each marker sits on, and what the cameras' clocks say.
-    pub(super) fn write_take(
-        &self,
-        studio: &Studio,
-        schedule: &Schedule,
-        out: &Path,
-    ) -> anyhow::Result<Vec<Staged>> {
-        let folder = out.join("take");
+    /// Which point of the scan each marker sits on.
+    pub(super) fn write_picks(&self, studio: &Studio) -> anyhow::Result<Staged> {
         let mut picks = String::from("marker,x,y,z\n");
         for dot in studio.layers().dots() {
             let [x, y, z] = [dot.center.x, dot.center.y, dot.center.z];
             // Writing to a string cannot fail.
             let _ = writeln!(picks, "{},{x:.4},{y:.4},{z:.4}", dot.id);
         }
-        let mut outputs = vec![stage_bytes(&folder.join("picks.csv"), picks.as_bytes())?];
-        for (camera, stamps) in virtual_rig::clock::time_stamps_csv(schedule) {
-            outputs.push(stage_bytes(&folder.join(format!("footage/{camera}.csv")), stamps.as_bytes())?);
-        }
-        Ok(outputs)
+        Ok(stage_bytes(&self.folder.join("picks.csv"), picks.as_bytes())?)
     }
 
-    /// The scenario and the cameras.
+    /// What the cameras' clocks say of their images.
+    pub(super) fn write_stamps(&self, schedule: &Schedule) -> anyhow::Result<Vec<Staged>> {
+        let stamps = virtual_rig::clock::time_stamps_csv(schedule).into_iter();
+        let file = |camera| self.folder.join(format!("footage/{camera}.csv"));
+        stamps.map(|(camera, stamps)| Ok(stage_bytes(&file(camera), stamps.as_bytes())?)).collect()
+    }
+
+    /// The cameras.
     pub(super) fn write_truth(&self, studio: &Studio) -> anyhow::Result<Vec<Staged>> {
         let rig = |camera: fn(&Station) -> &Camera| CameraRig {
             cameras: studio
@@ -83,7 +86,6 @@ impl Paper {
         };
         let file = |name: &str| self.truth.join(name);
         Ok(vec![
-            artifact::write_document(&file("scenario.json"), studio.scenario())?,
             artifact::write_document(&file("cameras.json"), &rig(|station| &station.camera))?,
             artifact::write_document(&file("cameras-calibrated.json"), &rig(|station| &station.calibrated))?,
         ])
@@ -107,9 +109,8 @@ fn clock(studio: &Studio) -> Clock {
 
 fn manifest(
     studio: &Studio,
-    given: &given::GivenFace,
-    video: Option<Video>,
-    scan: &MeshRef,
+    arguments: &Arguments,
+    references: BTreeMap<String, FileRef>,
     clock: Clock,
 ) -> Take {
     let scenario = studio.scenario();
@@ -126,7 +127,7 @@ fn manifest(
             },
             bit_depth: 8,
             rate: footage::camera_rate(studio, station),
-            footage: Some(footage::entry(video, id)),
+            footage: (!arguments.no_footage).then(|| footage::entry(arguments.video, id)),
         }
     };
     Take {
@@ -140,7 +141,7 @@ fn manifest(
         cameras: studio.stations().iter().map(camera).collect(),
         mesh_unit: Unit::Mm,
         mesh_up: Axis::Y,
-        references: BTreeMap::from([("scan".to_string(), scan.file.clone())]),
-        consent: given.consent(),
+        references,
+        consent: arguments.given.consent(),
     }
 }

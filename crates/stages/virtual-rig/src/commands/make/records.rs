@@ -127,27 +127,30 @@ impl Records {
         Ok(self.sections.write(&SectionsFrame { frame, sections })?)
     }
 
-    pub(super) fn finish(self) -> anyhow::Result<Vec<Staged>> {
+    /// Ends the files; those that are about images only if there are any.
+    pub(super) fn finish(self, with_images: bool) -> anyhow::Result<Vec<Staged>> {
         let document = |name: &str| -> (PathBuf, LargeScale) {
             let cache = format!("{name}.pc2");
             (self.folder.join(format!("{name}.json")), LargeScale { cache, ..self.index.clone() })
         };
         let (large_path, large) = document("large-scale");
         let (wrinkled_path, wrinkled) = document("wrinkled");
-        Ok(vec![
+        let mut outputs = match with_images {
+            true => vec![self.tracks.finish()?, self.curves.finish()?, self.sections.finish()?],
+            false => Vec::new(),
+        };
+        outputs.extend([
             self.sync.finish()?,
-            self.tracks.finish()?,
             self.markers.finish()?,
             self.head.finish()?,
             self.pose.finish()?,
             self.valleys.finish()?,
-            self.curves.finish()?,
-            self.sections.finish()?,
             self.large_scale.finish()?,
             self.wrinkled.finish()?,
             artifact::write_document(&large_path, &large)?,
             artifact::write_document(&wrinkled_path, &Wrinkled(wrinkled))?,
-        ])
+        ]);
+        Ok(outputs)
     }
 }
 

@@ -110,7 +110,7 @@ impl Kind {
             );
         }
         if comparison.unit.is_some() && ![Self::Trajectories3d, Self::HeadTrajectories].contains(&self) {
-            bail!("--unit: the kind {name} says its unit itself\n  to do: leave --unit out");
+            bail!("--marker-unit: the kind {name} says its unit itself\n  to do: leave --marker-unit out");
         }
         Ok(())
     }

@@ -34,8 +34,8 @@ pub(crate) struct Arguments {
     /// Compare only these frames, e.g. 1001-1100
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
-    /// Unit of RESULT, for markers in a format that does not say it: mm, cm or m
-    #[arg(long)]
+    /// Unit of RESULT, for markers in a format that does not say it
+    #[arg(long = "marker-unit", visible_alias = "unit", value_name = "mm|cm|m")]
     unit: Option<Unit>,
     /// What stands before the slash of each metric [default: the stage that usually makes such a result]
     #[arg(long, value_name = "NAME")]
