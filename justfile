@@ -31,15 +31,15 @@ fetch-data *ARGS:
 # Build all stages, optimised, into target/release
 [group('use')]
 build:
-    cargo build --release --workspace --bins --features virtual-rig/video
+    cargo build --release --workspace --bins --features virtual-rig/video,capture-sync/video
 
 # Everything that must hold before a change lands
 [group('check')]
 test: house
     cargo fmt --all --check
     @python3 tools/peers/test_board.py --quiet
-    cargo clippy --workspace --all-targets --features virtual-rig/video,suite/video --locked --quiet -- -D warnings
-    cargo test --workspace --features virtual-rig/video,suite/video --locked
+    cargo clippy --workspace --all-targets --features virtual-rig/video,capture-sync/video,suite/video --locked --quiet -- -D warnings
+    cargo test --workspace --features virtual-rig/video,capture-sync/video,suite/video --locked
 
 # The rules of the house: floors, flow of artifacts, anatomy, citations, drawings
 [group('check')]
