@@ -68,7 +68,10 @@ const CALLS: &[(&str, &[&str])] = &[
     ("virtual-rig", &["score", "tracks-2d", STREAM, "--truth", MISSING]),
     ("capture-sync", &["run", DOCUMENT, "--out", OUT]),
     ("capture-sync", &["check", STREAM]),
-    ("marker-track", &["track", "--frames", DOCUMENT, "--sync", STREAM, "--labels", DOCUMENT, "--out", "out.jsonl"]),
+    (
+        "marker-track",
+        &["track", "--frames", DOCUMENT, "--sync", STREAM, "--labels", DOCUMENT, "--out", "out.jsonl"],
+    ),
     ("marker-track", &["detect", "--frames", DOCUMENT, "--camera", "m1", "--color", "2040c0", "--out", OUT]),
     ("marker-track", &["show", "--frames", DOCUMENT, "--tracks", STREAM, "--camera", "m1", "--out", OUT]),
     ("triangulate", &["--cameras", DOCUMENT, "--tracks", STREAM, "--out", "out.jsonl"]),

@@ -22,8 +22,8 @@ impl Scenario {
     /// scenario. The seed alone is no change: names of takes hold it.
     pub fn mark_changes(&mut self, read: &Self) {
         let is = |named: Self| named.with_seed(self.seed) == *self;
-        let is_published = preset(&self.name).is_none_or(is);
-        if !(is_published && is(read.clone())) && !self.name.ends_with(CHANGED) {
+        let is_itself = preset(&self.name).is_none_or(is) && is(read.clone());
+        if !is_itself && !self.name.ends_with(CHANGED) {
             self.name.push(CHANGED);
         }
     }

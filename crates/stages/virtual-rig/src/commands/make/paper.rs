@@ -69,7 +69,7 @@ impl Paper {
 
     /// What the cameras' clocks say of their images.
     pub(super) fn write_stamps(&self, schedule: &Schedule) -> anyhow::Result<Vec<Staged>> {
-        let stamps = virtual_rig::clock::time_stamps_csv(schedule).into_iter();
+        let stamps = virtual_rig::clock::time_stamps_csv(schedule);
         let file = |camera| self.folder.join(format!("footage/{camera}.csv"));
         stamps.map(|(camera, stamps)| Ok(stage_bytes(&file(camera), stamps.as_bytes())?)).collect()
     }
