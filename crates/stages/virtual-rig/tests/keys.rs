@@ -113,7 +113,7 @@ fn take(value: &Value) -> Result<u64, Error> {
     let schedule = studio.schedule()?;
     for (id, entries) in &schedule.cameras {
         let station = &studio.stations()[id];
-        format!("{entries:?} {:?}", studio.sync_of(id, station, entries)).hash(&mut hash);
+        format!("{entries:?} {:?}", studio.sync_of(id, station)).hash(&mut hash);
         let set = studio.set(2.0 / 10.0, station.exposure_s, true);
         set.pose.skin.iter().flat_map(|point| point.iter()).for_each(|x| x.to_bits().hash(&mut hash));
         let exposure = studio.expose(&set, station)?;
