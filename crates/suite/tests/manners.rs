@@ -72,8 +72,17 @@ const CALLS: &[(&str, &[&str])] = &[
         "marker-track",
         &["track", "--frames", DOCUMENT, "--sync", STREAM, "--labels", DOCUMENT, "--out", "out.jsonl"],
     ),
-    ("marker-track", &["detect", "--frames", DOCUMENT, "--camera", "m1", "--color", "2040c0", "--out", OUT]),
-    ("marker-track", &["show", "--frames", DOCUMENT, "--tracks", STREAM, "--camera", "m1", "--out", OUT]),
+    (
+        "marker-track",
+        &[
+            "detect", "--frames", DOCUMENT, "--sync", STREAM, "--camera", "m1", "--color", "2040c0", "--out",
+            "out.png", "--csv", "out.csv",
+        ],
+    ),
+    (
+        "marker-track",
+        &["show", "--frames", DOCUMENT, "--sync", STREAM, "--tracks", STREAM, "--camera", "m1", "--out", OUT],
+    ),
     ("triangulate", &["--cameras", DOCUMENT, "--tracks", STREAM, "--out", "out.jsonl"]),
     // `house new-stage` adds here
 ];

@@ -68,9 +68,12 @@ fn a_real_recording_plays() {
     }
     let beyond = ClipParams { start_s: 1000.0, ..params };
     let said = clip.bind(&beyond, &names(&MUSCLES)).expect_err("past its end").to_string();
-    assert!(said.starts_with("clip.start_s: 1000 s is past the end of the recording (134."), "{said}");
+    assert!(
+        said.starts_with("performance.recording.start_s: 1000 s is past the end of the recording (134."),
+        "{said}"
+    );
     let said = clip.bind(&params, &names(&["tail"])).expect_err("no curve").to_string();
-    assert_eq!(said, "clip: no curve drives any shape of this body (tail)");
+    assert_eq!(said, "performance.recording: no curve drives any shape of this body (tail)");
 }
 
 const TEXT: &str = "Timecode,BlendShapeCount,JawOpen,TongueOut\n23:59:59:58.000,2,0.0,0\n00:00:00:00.000,2,0.5,0\n00:00:00:02.500,2,1.2,0\n";
