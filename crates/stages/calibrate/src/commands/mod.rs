@@ -1,14 +1,30 @@
 //! The subcommands.
 
-use clap::Parser;
+mod board;
+mod refine;
+mod shared;
+#[cfg(feature = "detect")]
+mod detect;
+
+use clap::{Parser, Subcommand};
 use stage::Run;
 
 /// Finds lenses and poses of all cameras from pictures of a board or a waved point
 #[derive(Parser)]
 #[command(name = "calibrate", version)]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
     #[command(flatten)]
     common: stage::Common,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    #[cfg(feature = "detect")]
+    Detect(detect::Arguments),
+    Board(Box<board::Arguments>),
+    Refine(Box<refine::Arguments>),
 }
 
 impl stage::Arguments for Arguments {
@@ -17,6 +33,11 @@ impl stage::Arguments for Arguments {
     }
 }
 
-pub(crate) fn run(_run: &mut Run, _arguments: Arguments) -> anyhow::Result<()> {
-    Ok(())
+pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
+    match arguments.command {
+        #[cfg(feature = "detect")]
+        Command::Detect(arguments) => detect::run(run, &arguments),
+        Command::Board(arguments) => board::run(run, &arguments),
+        Command::Refine(arguments) => refine::run(run, &arguments),
+    }
 }
