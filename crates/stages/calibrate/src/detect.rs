@@ -4,10 +4,10 @@ use crate::Board;
 use crate::board::Dictionary;
 use nalgebra::Point2;
 use opencv::aruco;
+use opencv::boxed_ref::BoxedRef;
 use opencv::calib3d::{
     CALIB_CB_ADAPTIVE_THRESH, CALIB_CB_FAST_CHECK, CALIB_CB_NORMALIZE_IMAGE, find_chessboard_corners,
 };
-use opencv::boxed_ref::BoxedRef;
 use opencv::core::{Mat, Point2f, Ptr, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
 use opencv::imgproc::corner_sub_pix;
 use opencv::prelude::VectorToVec;
@@ -84,7 +84,15 @@ fn charuco(
     let (mut corners, mut numbers) = (Vector::<Point2f>::new(), Vector::<i32>::new());
     let fewest = 2;
     aruco::interpolate_corners_charuco(
-        &outlines, &ids, image, board, &mut corners, &mut numbers, &no_array(), &no_array(), fewest,
+        &outlines,
+        &ids,
+        image,
+        board,
+        &mut corners,
+        &mut numbers,
+        &no_array(),
+        &no_array(),
+        fewest,
     )?;
     Ok(numbers.iter().zip(&corners).map(|(id, at)| (id as u32, point(at))).collect())
 }

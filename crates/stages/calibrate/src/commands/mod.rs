@@ -1,10 +1,10 @@
 //! The subcommands.
 
 mod board;
-mod refine;
-mod shared;
 #[cfg(feature = "detect")]
 mod detect;
+mod refine;
+mod shared;
 
 use clap::{Parser, Subcommand};
 use stage::Run;
