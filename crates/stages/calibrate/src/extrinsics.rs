@@ -193,7 +193,12 @@ fn place(plate: &Plate, cameras: &[Alone], cam_from_root: Vec<Isometry3<f64>>) -
         let total = |fits: &[(usize, f64)]| fits.iter().map(|(_, difference)| difference).sum::<f64>();
         let candidates = seen.iter().map(pose_of).map(|pose| (fits(&pose), pose));
         let best = candidates.min_by(|(a, _), (b, _)| total(a).total_cmp(&total(b)));
-        if let Some((fits, pose)) = best {
+        if let Some((fits_there, pose)) = best {
+            // What most views say is the board's own numbering.
+            let count = |way: usize| fits_there.iter().filter(|(other, _)| *other == way).count();
+            let common = (0..plate.motions.len()).rev().max_by_key(|&way| count(way)).unwrap_or(0);
+            let pose = pose * plate.motions[common];
+            let fits = fits(&pose);
             boards.insert(frame, pose);
             seen.iter().zip(fits).for_each(|(&(c, v), (way, _))| numbering[c][v] = way);
         }
