@@ -1,4 +1,5 @@
 //! Laws of the bundle adjustment.
+#![allow(clippy::unwrap_used, reason = "a scene that cannot be made is a broken test")]
 
 use calibrate::bundle::{Element, Focal, Free, Loss, Observation, Params, Scene, adjust};
 use camera::{BrownConrady, Camera, Lens};

@@ -1,4 +1,5 @@
 //! Laws of the calibration from a board.
+#![allow(clippy::unwrap_used, reason = "a scene that cannot be made is a broken test")]
 
 use calibrate::{
     Board, Corners, CornersFrame, CornersHeader, Error, Params, RefineParams, calibrate_board,
