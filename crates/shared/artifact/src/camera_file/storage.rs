@@ -129,10 +129,6 @@ impl<'a> Reader<'a> {
     fn block(&mut self, parent: Option<usize>) -> Result<Node> {
         self.tag()?;
         let (line, column) = (self.line, self.column());
-        let indent = &self.text[self.line_start..self.at];
-        if indent.contains('\t') && indent.trim().is_empty() && !matches!(self.peek(), Some(b'[' | b'{')) {
-            return Err(self.refuse("is indented with a tab").fix("indent with blanks"));
-        }
         if parent.is_some_and(|parent| column <= parent) || self.is_end() {
             return Ok(Node { line, value: Value::Scalar(String::new()) });
         }
@@ -175,6 +171,9 @@ impl<'a> Reader<'a> {
     fn end_of_block(&self, column: usize) -> Result<()> {
         match self.column() < column || self.rest().is_empty() || column == 0 && self.is_end() {
             true => Ok(()),
+            false if self.text[self.line_start..self.at].contains('\t') => {
+                Err(self.refuse("is indented with a tab").fix("indent with blanks"))
+            }
             false => Err(self.refuse("is not understood here").fix("check the indentation")),
         }
     }
