@@ -5,6 +5,7 @@
 mod support;
 
 use artifact::{CameraFormat, CameraRig, Stated, Unit, anipose, colmap, opencv, read_cameras, write_cameras};
+use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use support::{Place, refusal, says};
 
@@ -120,6 +121,82 @@ fn yaml_names_line_and_key() {
     says(&refusal(yaml(&"[".repeat(100_000))), &["line 1", "nested more than"]);
     says(&refusal(yaml(&YAML[..YAML.len() - 4])), &["line 16", "not closed", "cut short"]);
 }
+
+#[test]
+fn habits_of_other_writers_are_read() {
+    let same = |text: String| assert_eq!(yaml(&text).unwrap(), yaml(YAML).unwrap(), "{text}");
+    same(YAML.replace('\n', "\r\n"));
+    same(YAML.replace("%YAML:1.0\n---\n", "\u{feff}"));
+    same(format!("{YAML}...\n"));
+    same(YAML.replace("image_width: 640\nimage_height: 480", "imageSize: [ 640,\n  480 ] # px"));
+    same(YAML.replace("camera_matrix: !!opencv-matrix", "cameraMatrix:"));
+    let same = |text: String| assert_eq!(toml(&text).unwrap(), toml(TOML).unwrap(), "{text}");
+    same(TOML.replace('\n', "\r\n"));
+    // Pose2Sim: sizes as reals, fisheye stated.
+    same(
+        TOML.replace("[640, 480]", "[ 640.0, 480.0]").replace("[metadata]", "fisheye = false\n\n[metadata]"),
+    );
+    same(TOML.replace("name = \"m1\"\n", "").replace("cam_0", "m1"));
+    let (caliscope, _) =
+        toml(&TOML.replace("name = \"m1\"", "cam_id = 1").replace("[cam_0]", "[cameras.0]")).unwrap();
+    assert_eq!(caliscope.cameras["cam_1"], toml(TOML).unwrap().0.cameras["m1"]);
+    let (lenses, images) = (LENSES.replace('\n', "\r\n"), IMAGES.replace('\n', "\r\n"));
+    assert_eq!(colmap_of(&lenses, &images).unwrap(), colmap_of(LENSES, IMAGES).unwrap());
+}
+
+proptest! {
+    #[test]
+    fn nothing_panics(pieces in proptest::collection::vec(proptest::sample::select(PIECES), 0..40)) {
+        let text = pieces.concat();
+        let _ = (yaml(&text), toml(&text), colmap_of(&text, IMAGES), colmap_of(LENSES, &text));
+    }
+}
+
+/// What the formats are made of, and what does not belong there.
+const PIECES: &[&str] = &[
+    "camera_matrix",
+    "K",
+    "R",
+    "T",
+    "D",
+    "cameras",
+    ":",
+    ": ",
+    "- ",
+    "-",
+    "\n",
+    "\n  ",
+    "\n\t",
+    "[",
+    "]",
+    "{",
+    "}",
+    ",",
+    "\"",
+    "'",
+    "\\",
+    "#",
+    "//",
+    "1",
+    "0.5",
+    "-1e9",
+    ".nan",
+    "1e999",
+    "!!opencv-matrix",
+    "rows: 3\n",
+    "data",
+    "ä",
+    "\u{a0}",
+    "%",
+    "---",
+    "...",
+    "=",
+    "[cam_0]\n",
+    "matrix = ",
+    "size",
+    "PINHOLE",
+    " ",
+];
 
 #[test]
 fn every_cut_of_a_file_is_refused_or_read_without_panic() {

@@ -25,7 +25,8 @@ const ROTATION: &[&str] = &["r", "rvec"];
 const TRANSLATION: &[&str] = &["t", "tvec"];
 const NAME: &[&str] = &["name", "cameraname"];
 const RMS: &[&str] = &["avgreprojectionerror"];
-const VIEWS: &[&str] = &["nframes", "nrofframes"];
+const VIEWS: &[&str] = &["nframes", "nrofframes", "framescount"];
+const IMAGE_SIZE: &[&str] = &["imagesize", "cameraresolution"];
 /// Models of distortion that the five coefficients are of; the coefficients say whether there are more.
 const MODELS: &[&str] = &["plumb_bob", "rational_polynomial"];
 
@@ -210,7 +211,7 @@ fn refuse_other_models(keys: &Keys) -> Result<()> {
 }
 
 fn said_size<'a>(keys: &Keys<'a>) -> Result<Option<(Field<'a>, [u32; 2])>> {
-    if let Some(field) = keys.find(&["imagesize"], "")? {
+    if let Some(field) = keys.find(IMAGE_SIZE, "")? {
         let sides: Vec<u32> = match field.is_map() {
             true => {
                 ["width", "height"].iter().map(|side| field.need(side)?.count()).collect::<Result<_>>()?
