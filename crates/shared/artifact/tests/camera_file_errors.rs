@@ -2,59 +2,27 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
+mod camera_texts;
 mod support;
 
-use artifact::{CameraFormat, CameraRig, Stated, Unit, anipose, colmap, opencv, read_cameras, write_cameras};
-use proptest::prelude::*;
+use artifact::{CameraFormat, CameraRig, Stated, Unit, colmap, read_cameras, write_cameras};
+use camera_texts::*;
 use std::path::{Path, PathBuf};
 use support::{Place, refusal, says};
 
-const STATED: Stated = Stated { unit: Unit::Mm, image_size: None };
-
-const YAML: &str = "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   \
-dt: d\n   data: [ 800., 0., 320., 0., 801., 240., 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 1\n   \
-cols: 5\n   dt: d\n   data: [ -0.1, 0., 0., 0., 0.02 ]\nrvec: [ 0., 0.1, 0. ]\ntvec: [ 0., 0.,\n   700. ]\n";
-
-const TOML: &str = "[cam_0]\nname = \"m1\"\nsize = [640, 480]\nmatrix = [[800.0, 0.0, 320.0], [0.0, 801.0, 240.0], [0.0, 0.0, 1.0]]\n\
-distortions = [-0.1, 0.0, 0.0, 0.0]\nrotation = [0.0, 0.1, 0.0]\ntranslation = [0.0, 0.0, 700.0]\n\n[metadata]\nerror = 0.5\n";
-
-const LENSES: &str = "# lenses\n1 FULL_OPENCV 640 480 800 801 320.5 240.5 -0.1 0.01 0.001 0.002 0.02 0 0 0\n";
-const IMAGES: &str =
-    "# images\n\n1 1 0 0 0 0 0 700 1 m1.png\n\n2 1 0 0 0 5 0 700 1 side/m2.png\n1.5 2.5 -1\n";
-
-fn yaml(text: &str) -> artifact::Result<(CameraRig, Vec<String>)> {
-    opencv::parse(&[(Path::new("a.yml"), text)], &STATED)
-}
-
-fn toml(text: &str) -> artifact::Result<(CameraRig, Vec<String>)> {
-    anipose::parse(Path::new("a.toml"), text, &STATED)
-}
-
-fn colmap_of(lenses: &str, images: &str) -> artifact::Result<(CameraRig, Vec<String>)> {
-    colmap::parse(Path::new("a"), lenses, images, &STATED)
-}
-
-/// What is said where `old` is replaced.
+/// That the sample is refused with every change, with these parts of a message.
 #[track_caller]
-fn changed(text: &str, old: &str, new: &str) -> String {
-    assert!(text.contains(old), "{old}");
-    text.replacen(old, new, 1)
-}
-
-#[test]
-fn the_samples_are_read() {
-    assert_eq!(yaml(YAML).unwrap().0.cameras["a"].camera.lens.distortion.k3, 0.02);
-    assert_eq!(toml(TOML).unwrap().0.cameras["m1"].camera.lens.focal_px.y, 801.0);
-    let (rig, _) = colmap_of(LENSES, IMAGES).unwrap();
-    assert_eq!(rig.cameras.keys().collect::<Vec<_>>(), ["m1", "side/m2"]);
-    // (0.5, 0.5) is the first pixel's centre there.
-    assert_eq!(rig.cameras["m1"].camera.lens.center_px, nalgebra::Vector2::new(320.0, 240.0));
-    assert_eq!(rig.cameras["m1"].camera.lens.distortion.k3, 0.02);
+fn yaml_refuses(cases: &[(&str, &str, &[&str])]) {
+    for (old, new, parts) in cases {
+        let message = refusal(yaml(&changed(YAML, old, new)));
+        assert!(parts.iter().all(|part| message.contains(part)), "{old} → {new}: {message}");
+        assert!(message.starts_with("a.yml"), "{message}");
+    }
 }
 
 #[test]
 fn yaml_names_line_and_key() {
-    let cases: &[(&str, &str, &[&str])] = &[
+    yaml_refuses(&[
         ("0., 801.", "0.5, 801.", &["line 5, camera_matrix", "is no camera matrix"]),
         ("800., 0.,", "800., 0.5,", &["line 5, camera_matrix", "skew 0.5"]),
         ("800., 0., 320.,", "800., 320.,", &["line 5, camera_matrix", "8 numbers, not 3 × 3", "cut short"]),
@@ -96,6 +64,12 @@ fn yaml_names_line_and_key() {
         ("image_width", "distortion_model: equidistant\nimage_width", &["line 3", "'equidistant'"]),
         ("image_width", "xi: 0.7\nimage_width", &["line 3, xi", "omnidirectional"]),
         ("image_width", "unit: m\nimage_width", &["line 3, unit", "is in m, but mm is stated"]),
+    ]);
+}
+
+#[test]
+fn yaml_that_is_none_names_the_line() {
+    yaml_refuses(&[
         ("image_width", "image_height: 3\nimage_width", &["line 5", "'image_height' stands there twice"]),
         ("0., 0., 1. ]", "0., 0., 1.", &["line 10, column"]),
         (", 0., 0., 1. ]\n", ", 0., 0., 1.\n", &["line 10", "where a comma was expected"]),
@@ -110,128 +84,11 @@ fn yaml_names_line_and_key() {
         ),
         ("[ 800.", "\"$base64$ZAAA\"\nx: [ 800.", &["base64", "FileStorage::BASE64"]),
         ("%YAML", "<?xml version=\"1.0\"?>\n%YAML", &["XML", ".yml or .json"]),
-    ];
-    for (old, new, parts) in cases {
-        let message = refusal(yaml(&changed(YAML, old, new)));
-        assert!(parts.iter().all(|part| message.contains(part)), "{old} → {new}: {message}");
-        assert!(message.starts_with("a.yml"), "{message}");
-    }
+    ]);
     says(&refusal(yaml("")), &["a.yml: is empty"]);
     says(&refusal(yaml("%YAML:1.0\n---\n")), &["a.yml: is empty"]);
     says(&refusal(yaml(&"[".repeat(100_000))), &["line 1", "nested more than"]);
     says(&refusal(yaml(&YAML[..YAML.len() - 4])), &["line 16", "not closed", "cut short"]);
-}
-
-#[test]
-fn habits_of_other_writers_are_read() {
-    let same = |text: String| assert_eq!(yaml(&text).unwrap(), yaml(YAML).unwrap(), "{text}");
-    same(YAML.replace('\n', "\r\n"));
-    same(YAML.replace("%YAML:1.0\n---\n", "\u{feff}"));
-    same(format!("{YAML}...\n"));
-    same(YAML.replace("image_width: 640\nimage_height: 480", "imageSize: [ 640,\n  480 ] # px"));
-    same(YAML.replace("camera_matrix: !!opencv-matrix", "cameraMatrix:"));
-    let same = |text: String| assert_eq!(toml(&text).unwrap(), toml(TOML).unwrap(), "{text}");
-    same(TOML.replace('\n', "\r\n"));
-    // Pose2Sim: sizes as reals, fisheye stated.
-    same(
-        TOML.replace("[640, 480]", "[ 640.0, 480.0]").replace("[metadata]", "fisheye = false\n\n[metadata]"),
-    );
-    same(TOML.replace("name = \"m1\"\n", "").replace("cam_0", "m1"));
-    let (caliscope, _) =
-        toml(&TOML.replace("name = \"m1\"", "cam_id = 1").replace("[cam_0]", "[cameras.0]")).unwrap();
-    assert_eq!(caliscope.cameras["cam_1"], toml(TOML).unwrap().0.cameras["m1"]);
-    let (lenses, images) = (LENSES.replace('\n', "\r\n"), IMAGES.replace('\n', "\r\n"));
-    assert_eq!(colmap_of(&lenses, &images).unwrap(), colmap_of(LENSES, IMAGES).unwrap());
-}
-
-proptest! {
-    #[test]
-    fn nothing_panics(pieces in proptest::collection::vec(proptest::sample::select(PIECES), 0..40)) {
-        let text = pieces.concat();
-        let _ = (yaml(&text), toml(&text), colmap_of(&text, IMAGES), colmap_of(LENSES, &text));
-    }
-}
-
-/// What the formats are made of, and what does not belong there.
-const PIECES: &[&str] = &[
-    "camera_matrix",
-    "K",
-    "R",
-    "T",
-    "D",
-    "cameras",
-    ":",
-    ": ",
-    "- ",
-    "-",
-    "\n",
-    "\n  ",
-    "\n\t",
-    "[",
-    "]",
-    "{",
-    "}",
-    ",",
-    "\"",
-    "'",
-    "\\",
-    "#",
-    "//",
-    "1",
-    "0.5",
-    "-1e9",
-    ".nan",
-    "1e999",
-    "!!opencv-matrix",
-    "rows: 3\n",
-    "data",
-    "ä",
-    "\u{a0}",
-    "%",
-    "---",
-    "...",
-    "=",
-    "[cam_0]\n",
-    "matrix = ",
-    "size",
-    "PINHOLE",
-    " ",
-];
-
-#[test]
-fn every_cut_of_a_file_is_refused_or_read_without_panic() {
-    for end in (0..YAML.len()).filter(|&end| YAML.is_char_boundary(end)) {
-        if let Ok((rig, warnings)) = yaml(&YAML[..end]) {
-            // Only the line end, or the whole pose, may be lost.
-            assert!(end == YAML.len() - 1 || !warnings.is_empty(), "{end}: {rig:?}");
-        }
-    }
-    for end in 0..TOML.len() {
-        let _ = toml(&TOML[..end]);
-    }
-    for end in 0..LENSES.len() {
-        assert!(colmap_of(&LENSES[..end], IMAGES).is_err() || end >= LENSES.len() - 1, "{end}");
-    }
-}
-
-#[test]
-fn several_cameras_need_poses_and_matrices() {
-    let camera = |name: &str| {
-        format!(
-            "   - name: {name}\n     K: [[8, 0, 3], [0, 8, 2], [0, 0, 1]]\n     D: []\n     image_size: [6, 4]\n     R: [0, 0, 0]\n     T: [0, 0, 1]\n"
-        )
-    };
-    let text = format!("cameras:\n{}{}", camera("a"), camera("b"));
-    assert_eq!(yaml(&text).unwrap().0.cameras.len(), 2);
-    says(
-        &refusal(yaml(&text.replacen("name: b", "name: a", 1))),
-        &["camera a", "two cameras have this name"],
-    );
-    says(
-        &refusal(yaml(&text.replacen("     R: [0, 0, 0]\n     T: [0, 0, 1]\n", "", 1))),
-        &["cameras[0]", "lacks a rotation"],
-    );
-    says(&refusal(yaml(&text.replacen("K:", "Kx:", 1))), &["line 2, cameras[0]", "lacks camera_matrix"]);
 }
 
 #[test]
@@ -299,22 +156,6 @@ fn colmap_names_the_line() {
     }
     let stated = Stated { image_size: Some([480, 640]), ..STATED };
     says(&refusal(colmap::parse(Path::new("a"), LENSES, IMAGES, &stated)), &["line 2", "640 × 480"]);
-}
-
-#[test]
-fn simple_models_of_colmap_are_held() {
-    for (model, parameters, coefficients) in [
-        ("SIMPLE_PINHOLE", "800 320.5 240.5", [0.0, 0.0]),
-        ("PINHOLE", "800 800 320.5 240.5", [0.0, 0.0]),
-        ("SIMPLE_RADIAL", "800 320.5 240.5 0.1", [0.1, 0.0]),
-        ("RADIAL", "800 320.5 240.5 0.1 0.2", [0.1, 0.2]),
-        ("OPENCV", "800 800 320.5 240.5 0.1 0.2 0 0", [0.1, 0.2]),
-    ] {
-        let (rig, _) = colmap_of(&format!("1 {model} 640 480 {parameters}"), IMAGES).unwrap();
-        let lens = rig.cameras["m1"].camera.lens;
-        assert_eq!((lens.focal_px.x, lens.focal_px.y, lens.center_px.x), (800.0, 800.0, 320.0), "{model}");
-        assert_eq!([lens.distortion.k1, lens.distortion.k2], coefficients, "{model}");
-    }
 }
 
 #[test]
