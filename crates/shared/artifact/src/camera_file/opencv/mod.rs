@@ -27,6 +27,8 @@ const NAME: &[&str] = &["name", "cameraname"];
 const RMS: &[&str] = &["avgreprojectionerror"];
 const VIEWS: &[&str] = &["nframes", "nrofframes", "framescount"];
 const IMAGE_SIZE: &[&str] = &["imagesize", "cameraresolution"];
+const FISHEYE: &[&str] = &["fisheyemodel", "fisheye"];
+const MODEL: &[&str] = &["distortionmodel"];
 /// Models of distortion that the five coefficients are of; the coefficients say whether there are more.
 const MODELS: &[&str] = &["plumb_bob", "rational_polynomial"];
 
@@ -178,6 +180,7 @@ impl Reader<'_> {
         let matrix = keys.need(MATRIX, suffix, "camera_matrix", "name it so, or K, or M1 and M2")?;
         let distortion = keys.need(DISTORTION, suffix, "distortion_coefficients", zeros)?;
         let image_size = image_size(&matrix, said_size(keys)?, self.stated.image_size)?;
+        self.warn_of_fisheye(keys, &distortion)?;
         if let Some(poses) = keys.find(&["extrinsicparameters"], "")? {
             self.warnings.push(format!("{}: poses of the board, not of the camera; not kept", poses.name));
         }
@@ -185,6 +188,18 @@ impl Reader<'_> {
         let views = keys.find(VIEWS, "")?.map(|field| field.count()).transpose()?;
         let camera = Camera { image_size, lens: lens(&matrix, &distortion)?, cam_from_world };
         Ok(RigCamera { camera, rms_px, views: views.map(|views| views as usize), deviation: None })
+    }
+
+    /// OpenCV's fisheye calibrations have four coefficients, too, and often nothing that says so.
+    fn warn_of_fisheye(&mut self, keys: &Keys, distortion: &Field) -> Result<()> {
+        let says_model = keys.find(MODEL, "")?.is_some() || keys.find(FISHEYE, "")?.is_some();
+        if distortion.table()?.numbers.len() == 4 && !says_model {
+            self.warnings.push(format!(
+                "{} has 4 coefficients, taken for k1, k2, p1, p2; make sure that they are not of OpenCV's fisheye model",
+                distortion.name
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -194,7 +209,7 @@ fn refuse_other_models(keys: &Keys) -> Result<()> {
         let what = format!("is a {model}; cameras here are pinholes with k1, k2, p1, p2, k3");
         Err(field.refuse(what).fix("calibrate again with OpenCV's standard model"))
     };
-    if let Some(field) = keys.find(&["fisheyemodel", "fisheye"], "")?
+    if let Some(field) = keys.find(FISHEYE, "")?
         && field.is_on()?
     {
         return refuse(&field, "fisheye model");
@@ -202,7 +217,7 @@ fn refuse_other_models(keys: &Keys) -> Result<()> {
     if let Some(field) = keys.find(&["xi"], "")? {
         return refuse(&field, "parameter of the omnidirectional model");
     }
-    match keys.find(&["distortionmodel"], "")? {
+    match keys.find(MODEL, "")? {
         Some(field) if !MODELS.contains(&field.text()?) => {
             refuse(&field, &format!("distortion model '{}'", field.text()?))
         }
