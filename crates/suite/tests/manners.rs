@@ -84,6 +84,12 @@ const CALLS: &[(&str, &[&str])] = &[
         &["show", "--frames", DOCUMENT, "--sync", STREAM, "--tracks", STREAM, "--camera", "m1", "--out", OUT],
     ),
     ("triangulate", &["--cameras", DOCUMENT, "--tracks", STREAM, "--out", "out.jsonl"]),
+    ("calibrate", &["board", "--corners", STREAM, "--out", "out.json"]),
+    ("calibrate", &["refine", "--cameras", DOCUMENT, "--corners", STREAM, "--out", "out.json"]),
+    (
+        "calibrate",
+        &["convert", DOCUMENT, "--from", "opencv", "--to", "furrow", "--unit", "mm", "--out", "out.json"],
+    ),
     // `house new-stage` adds here
 ];
 

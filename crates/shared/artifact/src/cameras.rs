@@ -211,7 +211,7 @@ const ORTHONORMAL_TOLERANCE: f64 = 1e-6;
 
 /// The rotation nearest to a matrix that is nearly one, by Newton's iteration for the polar factor, R ← ½ (R + R⁻ᵀ): it
 /// doubles the digits with each step.
-fn nearest_rotation(mut matrix: Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
+pub(crate) fn nearest_rotation(mut matrix: Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
     let off = (matrix * matrix.transpose() - Matrix3::identity()).amax();
     if off.is_nan() || off > ORTHONORMAL_TOLERANCE {
         return Err(format!("the rows of its rotation are not orthonormal (off by {off:.1e})"));

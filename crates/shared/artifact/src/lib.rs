@@ -8,7 +8,7 @@
 //! - *Outputs* are [`Staged`]: written under a temporary name, shown by [`Staged::publish`].
 //! - *Errors* name the file, the place in it, what is wrong and what to do.
 //! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`ply`], [`pc2`], [`c3d`], [`trc`],
-//!   [`usda`], …) are converted where
+//!   [`usda`], cameras as [`opencv`], [`anipose`], [`colmap`], …) are converted where
 //!   they are read and written.
 //!
 //! ```no_run
@@ -30,6 +30,7 @@ mod quantity;
 mod source;
 mod staged;
 
+mod camera_file;
 mod cameras;
 mod correspondence;
 mod frames;
@@ -67,6 +68,7 @@ pub mod timestamps;
 pub mod trc;
 pub mod usda;
 
+pub use camera_file::{CameraFormat, Stated, anipose, colmap, opencv, read_cameras, write_cameras};
 pub use cameras::{CameraDeviation, CameraRig, RigCamera};
 pub use correspondence::{Correspondence, Pair};
 pub use envelope::{

@@ -1,6 +1,7 @@
 //! The subcommands.
 
 mod board;
+mod convert;
 #[cfg(feature = "detect")]
 mod detect;
 mod refine;
@@ -25,6 +26,7 @@ enum Command {
     Detect(detect::Arguments),
     Board(Box<board::Arguments>),
     Refine(Box<refine::Arguments>),
+    Convert(convert::Arguments),
 }
 
 impl stage::Arguments for Arguments {
@@ -39,5 +41,6 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         Command::Detect(arguments) => detect::run(run, &arguments),
         Command::Board(arguments) => board::run(run, &arguments),
         Command::Refine(arguments) => refine::run(run, &arguments),
+        Command::Convert(arguments) => convert::run(run, &arguments),
     }
 }
