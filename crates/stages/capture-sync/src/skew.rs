@@ -19,7 +19,7 @@ pub struct Skew {
     pub shown: usize,
     /// Frames that it should show and does not.
     pub missing: usize,
-    /// Frames whose image stands twice in the footage, or only repeats another.
+    /// Frames whose image only repeats another.
     pub doubled: usize,
 }
 

@@ -59,18 +59,15 @@ pub(crate) fn sync_camera(camera: &Paced, line: &Timeline, clock: &TakeClock) ->
     }
 }
 
-/// What a camera shows, exposure by exposure: the first image of each. An image that repeats the one before it in the place
-/// of a lost one shows nothing.
+/// What a camera shows, exposure by exposure: the first image of each, which is whole; its copies stand in no frame. An
+/// image that repeats the one before it in the place of a lost one shows nothing.
 fn shown(camera: &Paced) -> BTreeMap<i64, Shown> {
     let mut shown: BTreeMap<i64, Shown> = BTreeMap::new();
     for (i, image) in camera.recording.images.iter().enumerate() {
         let (exposure, repeats) = (camera.cadence.exposures[i], camera.cadence.repeats[i]);
-        match shown.get_mut(&exposure) {
-            Some(shown) => shown.doubled |= repeats,
-            None if repeats => {}
-            None => {
-                shown.insert(exposure, Shown { index: image.index, time_s: image.time_s, doubled: false });
-            }
+        if !repeats {
+            let image = Shown { index: image.index, time_s: image.time_s, doubled: false };
+            shown.entry(exposure).or_insert(image);
         }
     }
     shown
