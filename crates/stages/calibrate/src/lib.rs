@@ -1,3 +1,4 @@
 //! Finds lenses and poses of all cameras from pictures of a board or a waved point.
 
 pub mod bundle;
+pub mod wand;
