@@ -67,3 +67,21 @@ pub fn image_numbers(pattern: &Path) -> Result<Vec<i64>> {
     numbers.sort_unstable();
     Ok(numbers)
 }
+
+/// The names of the folders in a folder, sorted; those that start with a dot are left out.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn subfolders(folder: &Path) -> Result<Vec<String>> {
+    let fail = |cause: std::io::Error| Error::io(folder, "read the folder", &cause);
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let entry = entry.map_err(fail)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if !name.starts_with('.') && entry.path().is_dir() {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
+}

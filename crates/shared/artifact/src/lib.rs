@@ -77,7 +77,7 @@ pub use frames::{CameraFrames, FrameRun, Frames};
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
 pub use ids::PerCamera;
-pub use image_pattern::{image_numbers, image_path};
+pub use image_pattern::{image_numbers, image_path, subfolders};
 pub use labels::Labels;
 pub use large_scale::{LargeScale, SequenceForm};
 pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};

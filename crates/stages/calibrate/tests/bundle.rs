@@ -119,10 +119,13 @@ fn deviations_predict_the_scatter_over_noise() {
         let mut scene = truth.clone();
         scene.observations.iter_mut().for_each(|seen| seen.pixel += 0.1 * noise(&mut rng));
         let found = adjust(&scene, &Params::default()).unwrap();
-        for ((camera, planted), spread) in found.cameras.iter().zip(&truth.cameras).zip(found.deviations.unwrap()) {
+        for ((camera, planted), spread) in
+            found.cameras.iter().zip(&truth.cameras).zip(found.deviations.unwrap())
+        {
             for axis in 0..2 {
                 z += ((camera.lens.focal_px - planted.lens.focal_px)[axis] / spread.focal_px[axis]).powi(2);
-                z += ((camera.lens.center_px - planted.lens.center_px)[axis] / spread.center_px[axis]).powi(2);
+                z +=
+                    ((camera.lens.center_px - planted.lens.center_px)[axis] / spread.center_px[axis]).powi(2);
                 count += 2;
             }
         }

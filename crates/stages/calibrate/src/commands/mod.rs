@@ -1,14 +1,24 @@
 //! The subcommands.
 
-use clap::Parser;
+mod wand;
+mod wand_input;
+
+use clap::{Parser, Subcommand};
 use stage::Run;
 
 /// Finds lenses and poses of all cameras from pictures of a board or a waved point
 #[derive(Parser)]
 #[command(name = "calibrate", version)]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
     #[command(flatten)]
     common: stage::Common,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Wand(Box<wand::Arguments>),
 }
 
 impl stage::Arguments for Arguments {
@@ -17,6 +27,8 @@ impl stage::Arguments for Arguments {
     }
 }
 
-pub(crate) fn run(_run: &mut Run, _arguments: Arguments) -> anyhow::Result<()> {
-    Ok(())
+pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
+    match arguments.command {
+        Command::Wand(arguments) => wand::run(run, &arguments),
+    }
 }

@@ -150,9 +150,8 @@ impl Blob {
 
     /// Light below three deviations of the noise is left out, so that the dark around the blob does not pull.
     fn centroid(&self, picture: &Luminance, background: f64, noise: f64) -> Vector2<f64> {
-        let span = |[first, last]: [usize; 2], count: usize| {
-            first.saturating_sub(RIM)..(last + RIM + 1).min(count)
-        };
+        let span =
+            |[first, last]: [usize; 2], count: usize| first.saturating_sub(RIM)..(last + RIM + 1).min(count);
         let (mut sum, mut moment) = (0.0, Vector2::zeros());
         for y in span(self.rows, picture.height) {
             for x in span(self.columns, picture.width) {
@@ -205,6 +204,9 @@ mod tests {
         assert_eq!(shown(&[(20., 20., 3.), (50., 40., 3.)]), Shown::Unclear);
         assert_eq!(shown(&[(0., 20., 3.)]), Shown::Unclear, "cut off by the edge");
         assert_eq!(shown(&[(40., 30., 25.)]), Shown::Unclear, "as large as a lamp");
-        assert!(matches!(shown(&[(20., 20., 4.), (50., 40., 1.2)]), Shown::Point(_)), "a small glint is passed over");
+        assert!(
+            matches!(shown(&[(20., 20., 4.), (50., 40., 1.2)]), Shown::Point(_)),
+            "a small glint is passed over"
+        );
     }
 }

@@ -60,7 +60,9 @@ impl Error {
                 "check that images of equal number were taken at the same time and are not mirrored, that one point only \
                  glows, and that it was waved through the depth of the space, not in a plane"
             }
-            Self::NoMetric => "wave the point through more of the images and the depth, or give approximate lenses",
+            Self::NoMetric => {
+                "wave the point through more of the images and the depth, or give approximate lenses"
+            }
             _ => return None,
         })
     }

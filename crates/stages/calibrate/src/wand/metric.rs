@@ -187,7 +187,8 @@ fn read_off(scene: &Projective, cost: f64) -> Option<Metric> {
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0 / focal, 1.0 / focal, 1.0)) / depth;
         let svd = (inverse * part).svd_unordered(true, true);
         let turn = Rotation3::from_matrix_unchecked(svd.u? * svd.v_t?);
-        let pose = Isometry3::from_parts((inverse * shift).into(), UnitQuaternion::from_rotation_matrix(&turn));
+        let pose =
+            Isometry3::from_parts((inverse * shift).into(), UnitQuaternion::from_rotation_matrix(&turn));
         cameras.push((focal, pose));
     }
     let point = |point: &nalgebra::Vector4<f64>| Point3::from(point.xyz() / point.w);
@@ -198,7 +199,10 @@ fn read_off(scene: &Projective, cost: f64) -> Option<Metric> {
 /// A reconstruction is known up to a reflection through the origin: the one with the points before the cameras.
 fn facing(mut metric: Metric) -> Option<Metric> {
     let depths = || {
-        metric.cameras.iter().flat_map(|(_, pose)| metric.points.iter().flatten().map(move |point| (pose * point).z))
+        metric
+            .cameras
+            .iter()
+            .flat_map(|(_, pose)| metric.points.iter().flatten().map(move |point| (pose * point).z))
     };
     let (before, all) = (depths().filter(|z| *z > 0.0).count(), depths().count());
     if 2 * before < all {

@@ -31,7 +31,8 @@ pub(super) fn pair(tracks: &[Track], cameras: [usize; 2], limit: f64, rng: &mut 
     let [first, second] = cameras.map(|c| &tracks[c]);
     let frames: Vec<usize> =
         (0..first.len()).filter(|&f| first[f].is_some() && second[f].is_some()).collect();
-    let points: Vec<[Vector2<f64>; 2]> = frames.iter().filter_map(|&f| Some([first[f]?, second[f]?])).collect();
+    let points: Vec<[Vector2<f64>; 2]> =
+        frames.iter().filter_map(|&f| Some([first[f]?, second[f]?])).collect();
     if points.len() < LEAST_COMMON {
         return None;
     }
@@ -47,8 +48,12 @@ pub(super) fn pair(tracks: &[Track], cameras: [usize; 2], limit: f64, rng: &mut 
         frames.iter().zip(&found.inliers).filter(|(_, agrees)| **agrees == wanted).map(|(f, _)| *f).collect()
     };
     let (agree, differ) = (chosen(true), chosen(false));
-    (agree.len() >= LEAST_COMMON && agree.len() > differ.len())
-        .then_some(Pair { cameras, fundamental: found.model, agree, differ })
+    (agree.len() >= LEAST_COMMON && agree.len() > differ.len()).then_some(Pair {
+        cameras,
+        fundamental: found.model,
+        agree,
+        differ,
+    })
 }
 
 /// The fundamental matrix with the least algebraic error over normalised points; none from fewer than eight, or from points
@@ -83,9 +88,9 @@ pub(super) fn normaliser(points: impl Iterator<Item = Vector2<f64>> + Clone) -> 
     let mean = points.clone().sum::<Vector2<f64>>() / count;
     let spread = points.map(|point| (point - mean).norm()).sum::<f64>() / count;
     let scale = std::f64::consts::SQRT_2 / spread;
-    scale.is_finite().then(|| {
-        Matrix3::new(scale, 0.0, -scale * mean.x, 0.0, scale, -scale * mean.y, 0.0, 0.0, 1.0)
-    })
+    scale
+        .is_finite()
+        .then(|| Matrix3::new(scale, 0.0, -scale * mean.x, 0.0, scale, -scale * mean.y, 0.0, 0.0, 1.0))
 }
 
 /// The unit vector that a matrix brings nearest to zero.

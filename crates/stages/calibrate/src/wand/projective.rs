@@ -47,7 +47,11 @@ impl Projective {
 
     fn next(&self, tracks: &[Track], failed: &[bool]) -> Option<usize> {
         let known = |camera: &usize| {
-            tracks[*camera].iter().zip(&self.points).filter(|(seen, point)| seen.is_some() && point.is_some()).count()
+            tracks[*camera]
+                .iter()
+                .zip(&self.points)
+                .filter(|(seen, point)| seen.is_some() && point.is_some())
+                .count()
         };
         let open = (0..tracks.len()).filter(|&c| self.cameras[c].is_none() && !failed[c]);
         // The first of equals.
@@ -197,7 +201,9 @@ pub(super) fn distance(camera: &Matrix3x4<f64>, point: &Vector4<f64>, seen: &Vec
 }
 
 /// The camera with the least algebraic error, from six points or more.
-fn direct_camera(pairs: impl Iterator<Item = (Vector4<f64>, Vector2<f64>)> + Clone) -> Option<Matrix3x4<f64>> {
+fn direct_camera(
+    pairs: impl Iterator<Item = (Vector4<f64>, Vector2<f64>)> + Clone,
+) -> Option<Matrix3x4<f64>> {
     let count = pairs.clone().count();
     if count < 6 {
         return None;

@@ -34,9 +34,11 @@ pub(super) fn candidates(sightings: &Sightings, params: &Params) -> Result<Vec<S
     let lenses: Option<Vec<Lens>> = sightings.cameras.iter().map(|camera| camera.lens).collect();
     let found = match lenses {
         Some(lenses) => known_lenses(sightings, scene, &lenses),
-        None => {
-            metric_candidates(&scene, &FocalRange { ends: params.focal_range, steps: FOCAL_STEPS }, CANDIDATES)
-        }
+        None => metric_candidates(
+            &scene,
+            &FocalRange { ends: params.focal_range, steps: FOCAL_STEPS },
+            CANDIDATES,
+        ),
     };
     let kept: Vec<Vec<bool>> =
         tracks.iter().map(|track| track.iter().map(Option::is_some).collect()).collect();
@@ -90,7 +92,11 @@ fn drop_far(tracks: &mut [Track], scene: &Projective, limit: f64) {
         }
     }
     for track in tracks {
-        track.iter_mut().zip(&scene.points).filter(|(_, point)| point.is_none()).for_each(|(seen, _)| *seen = None);
+        track
+            .iter_mut()
+            .zip(&scene.points)
+            .filter(|(_, point)| point.is_none())
+            .for_each(|(seen, _)| *seen = None);
     }
 }
 

@@ -11,8 +11,16 @@ pub(crate) const IDS: [&str; 8] = ["m1", "m2", "m3", "m4", "m5", "m6", "w1", "w2
 /// The cameras of a seed; their principal points are off the middle by up to 1 %.
 pub(crate) fn cameras(seed: u64) -> Vec<Camera> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x51a7);
-    let directions =
-        [[-48.0, 10.0], [-28.0, -14.0], [-9.0, 16.0], [9.0, -16.0], [28.0, 14.0], [48.0, -10.0], [-22.0, 3.0], [22.0, 3.0]];
+    let directions = [
+        [-48.0, 10.0],
+        [-28.0, -14.0],
+        [-9.0, 16.0],
+        [9.0, -16.0],
+        [28.0, 14.0],
+        [48.0, -10.0],
+        [-22.0, 3.0],
+        [22.0, 3.0],
+    ];
     let place = |(i, [azimuth, elevation]): (usize, [f64; 2])| {
         let mut vary = |middle: f64, range: f64| middle + range * rng.random_range(-1.0..1.0);
         let (size, focal, distance, target) = match i {
@@ -68,7 +76,12 @@ pub(crate) fn wand_path(frames: usize, radius_mm: f64, seed: u64) -> Vec<Point3<
 }
 
 /// What a camera sees of the points: none outside its image; with noise of this deviation per coordinate, px.
-pub(crate) fn track(camera: &Camera, points: &[Point3<f64>], noise_px: f64, rng: &mut ChaCha8Rng) -> Vec<Option<Vector2<f64>>> {
+pub(crate) fn track(
+    camera: &Camera,
+    points: &[Point3<f64>],
+    noise_px: f64,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Option<Vector2<f64>>> {
     let mut see = |point: &Point3<f64>| {
         let noise = Vector2::new(gauss(rng), gauss(rng)) * noise_px;
         camera.project(point).filter(|pixel| camera.contains(*pixel)).map(|pixel| pixel + noise)
@@ -101,7 +114,9 @@ pub(crate) fn marker_error(truth: &[Camera], found: &[Camera]) -> f64 {
         let views: Vec<(usize, Vector2<f64>)> = truth
             .iter()
             .enumerate()
-            .filter_map(|(c, camera)| Some((c, camera.project(&point).filter(|pixel| camera.contains(*pixel))?)))
+            .filter_map(|(c, camera)| {
+                Some((c, camera.project(&point).filter(|pixel| camera.contains(*pixel))?))
+            })
             .collect();
         if let Some(place) = Camera::nearest_to_rays(views.iter().map(|(c, pixel)| (&found[*c], *pixel))) {
             from.push(place);
