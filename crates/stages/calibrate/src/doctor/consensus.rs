@@ -5,9 +5,10 @@ use super::model::Datum;
 use super::trajectory::Trajectories;
 use super::{Evidence, Examination, Finding, Kind, Params, Sighting, lengths};
 use nalgebra::{Matrix3, Point3, Vector3};
+use rayon::prelude::*;
 
 /// Sightings of a camera that faults are fitted to, at most.
-const MOST_DATA: usize = 1200;
+const MOST_DATA: usize = 600;
 /// Sightings that a camera is judged by, at least.
 const LEAST_DATA: usize = 12;
 /// Cameras whose pairs are off by more than this are put aside first, px: their rays would drag everything along.
@@ -156,7 +157,7 @@ impl Court<'_> {
             (data[c].len() >= LEAST_DATA)
                 .then(|| judge(patient, &data[c], &trajectories, noise, self.params))
         };
-        (0..data.len()).map(verdict).collect()
+        (0..data.len()).into_par_iter().map(verdict).collect()
     }
 
     fn data(&self, camera: usize, points: &[Option<Point3<f64>>]) -> Vec<Datum<'_>> {

@@ -21,6 +21,8 @@ pub(super) struct Verdict {
 /// An explanation: how little it leaves, and what it would be.
 struct Explanation {
     rms_px: f64,
+    /// Whether it is certain although it explains little.
+    is_sure: bool,
     kind: Kind,
     number: f64,
     unit: &'static str,
@@ -45,12 +47,10 @@ pub(super) fn judge(
     let camera = &patient.camera;
     let rms_px = rms(camera, data);
     let lateness = lateness(camera, data, trajectories);
-    let late = lateness.as_ref().map(|late| late.0);
+    let late = lateness.as_ref().map(|late| late.frames);
     let mut verdict = Verdict { rms_px, left_px: rms_px, late, finding: None };
     let mut explanations: Vec<Explanation> = Vec::new();
-    if let Some((frames, left)) = lateness {
-        explanations.push(late_by(frames, left));
-    }
+    explanations.extend(lateness.map(Lateness::explanation));
     explanations.extend(zoomed(camera, data));
     explanations.extend(mirrored(camera, data));
     explanations.extend(turned(camera, data));
@@ -59,7 +59,7 @@ pub(super) fn judge(
     verdict.left_px = best;
     let noise = NOISE * noise_px.max(NOISE_FLOOR_PX);
     let explained = |left: f64| (rms_px * rms_px - left * left).max(0.0).sqrt() > params.tolerance_px;
-    let is_good = |one: &&Explanation| AS_GOOD * one.rms_px <= best && explained(one.rms_px);
+    let is_good = |one: &&Explanation| AS_GOOD * one.rms_px <= best && (one.is_sure || explained(one.rms_px));
     verdict.finding = match explanations.iter().find(is_good) {
         Some(one) if best <= noise => {
             Some(Finding::of(patient, one.kind, one.number, one.unit, one.what.clone()))
@@ -76,10 +76,21 @@ pub(super) fn judge(
     verdict
 }
 
-fn late_by(frames: f64, rms_px: f64) -> Explanation {
-    let word = if frames > 0.0 { "late" } else { "early" };
-    let what = format!("its images come {:.2} frames {word}", frames.abs());
-    Explanation { rms_px, kind: Kind::Late, number: frames, unit: "frames", what }
+/// How far images are out of step.
+struct Lateness {
+    frames: f64,
+    /// RMS of all sightings with the clock set right, px.
+    rms_px: f64,
+    is_sure: bool,
+}
+
+impl Lateness {
+    fn explanation(self) -> Explanation {
+        let Self { frames, rms_px, is_sure } = self;
+        let word = if frames > 0.0 { "late" } else { "early" };
+        let what = format!("its images come {:.2} frames {word}", frames.abs());
+        Explanation { rms_px, is_sure, kind: Kind::Late, number: frames, unit: "frames", what }
+    }
 }
 
 /// How far images may be out of step, frames.
@@ -88,44 +99,71 @@ const MOST_LATE: f64 = 12.0;
 const CLOCK_STEP: f64 = 0.5;
 /// Share of the points that must be known at the shifted time.
 const LEAST_SHARE: f64 = 0.5;
+/// The clock is told by the fastest of the sightings: their share, and the least number.
+const FAST: f64 = 0.3;
+const LEAST_FAST: usize = 20;
 /// Motion below this tells nothing about time, px a frame.
-const LEAST_SPEED_PX: f64 = 0.2;
+const LEAST_SPEED_PX: f64 = 0.3;
+/// A clock that is off by less is not blamed, frames.
+const LEAST_LATE: f64 = 0.3;
+/// By how much of the noise's variance the sum of squares must fall: a chi-square that chance does not reach.
+const CLEAR: f64 = 60.0;
 
-/// By how many frames the images come late, and the RMS that this leaves; none where nothing moves.
-fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajectories) -> Option<(f64, f64)> {
-    let speed = data.iter().filter_map(|datum| {
+/// By how many frames the images come late; none where nothing moves.
+///
+/// The residuals of the fastest sightings are compared about their mean, so that a pose that is slightly off is not taken for a
+/// clock when all that moves moves one way.
+fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajectories) -> Option<Lateness> {
+    let speed = |datum: &Datum| {
         let [before, after] = [-1.0, 1.0]
             .map(|step| camera.project(&trajectories.at(datum.name, datum.frame as f64 + step)?));
         Some((after? - before?).norm() / 2.0)
-    });
-    if !(trimmed_rms(speed)? > LEAST_SPEED_PX) {
+    };
+    let mut fast: Vec<(f64, &Datum)> = data.iter().filter_map(|datum| Some((speed(datum)?, datum))).collect();
+    fast.sort_by(|a, b| b.0.total_cmp(&a.0));
+    fast.truncate(((FAST * fast.len() as f64) as usize).max(LEAST_FAST));
+    if fast.len() < LEAST_FAST || fast[fast.len() / 2].0 < LEAST_SPEED_PX {
         return None;
     }
-    let error = |late: f64| {
-        let lengths: Vec<f64> = data
-            .iter()
-            .filter_map(|datum| {
-                let point = trajectories.at(datum.name, datum.frame as f64 - late)?;
-                Some((camera.project(&point)? - datum.pixel).norm())
-            })
-            .collect();
-        let is_enough = lengths.len() as f64 >= LEAST_SHARE * data.len() as f64;
-        if is_enough { trimmed_rms(lengths.into_iter()).unwrap_or(f64::INFINITY) } else { f64::INFINITY }
-    };
+    let fast: Vec<&Datum> = fast.into_iter().map(|(_, datum)| datum).collect();
+    let error = |late: f64| shifted_rms(camera, &fast, trajectories, late, true);
     let count = (2.0 * MOST_LATE / CLOCK_STEP) as usize;
     let times = (0..=count).map(|k| k as f64 * CLOCK_STEP - MOST_LATE);
-    let (mut best, mut least) = times.map(|late| (late, error(late))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (mut frames, mut least) = times.map(|late| (late, error(late))).min_by(|a, b| a.1.total_cmp(&b.1))?;
     let mut step = CLOCK_STEP / 2.0;
     while step > 0.005 {
-        for late in [best - step, best + step] {
+        for late in [frames - step, frames + step] {
             let next = error(late);
             if next < least {
-                (best, least) = (late, next);
+                (frames, least) = (late, next);
             }
         }
         step /= 2.0;
     }
-    least.is_finite().then_some((best, least))
+    let gain = fast.len() as f64 * ((error(0.0) / least).powi(2) - 1.0);
+    let all: Vec<&Datum> = data.iter().collect();
+    let rms_px = shifted_rms(camera, &all, trajectories, frames, false);
+    let is_sure = frames.abs() > LEAST_LATE && gain > CLEAR;
+    least.is_finite().then_some(Lateness { frames, rms_px, is_sure })
+}
+
+/// RMS of the residuals with the points where they were `late` frames before; infinite where too few are known.
+fn shifted_rms(camera: &Camera, data: &[&Datum], trajectories: &Trajectories, late: f64, about_mean: bool) -> f64 {
+    let residuals: Vec<Vector2<f64>> = data
+        .iter()
+        .filter_map(|datum| {
+            let point = trajectories.at(datum.name, datum.frame as f64 - late)?;
+            Some(camera.project(&point)? - datum.pixel)
+        })
+        .collect();
+    if (residuals.len() as f64) < LEAST_SHARE * data.len() as f64 {
+        return f64::INFINITY;
+    }
+    let mean = match about_mean {
+        true => residuals.iter().sum::<Vector2<f64>>() / residuals.len() as f64,
+        false => Vector2::zeros(),
+    };
+    trimmed_rms(residuals.iter().map(|r| (r - mean).norm())).unwrap_or(f64::INFINITY)
 }
 
 fn share(fitted: &Camera, camera: &Camera) -> f64 {
@@ -136,7 +174,7 @@ fn zoomed(camera: &Camera, data: &[Datum]) -> Option<Explanation> {
     let found = fit(camera, data, FOCAL)?;
     let off = share(&found.camera, camera);
     let what = format!("its focal length is {:+.2} % off what its images show", 100.0 * off);
-    Some(Explanation { rms_px: found.rms_px, kind: Kind::Zoomed, number: off, unit: "share", what })
+    Some(Explanation { rms_px: found.rms_px, is_sure: false, kind: Kind::Zoomed, number: off, unit: "share", what })
 }
 
 fn mirrored(camera: &Camera, data: &[Datum]) -> Vec<Explanation> {
@@ -156,6 +194,7 @@ fn mirrored(camera: &Camera, data: &[Datum]) -> Vec<Explanation> {
         });
         Some(Explanation {
             rms_px: trimmed_rms(lengths)?,
+            is_sure: false,
             kind: Kind::Mirrored,
             number: 1.0,
             unit: "",
@@ -174,7 +213,7 @@ fn turned(camera: &Camera, data: &[Datum]) -> Option<Explanation> {
     let found = fit(camera, data, TURN)?;
     let angle = turn(&found.camera, camera).norm().to_degrees();
     let what = format!("it is turned by {angle:.2}° against its images");
-    Some(Explanation { rms_px: found.rms_px, kind: Kind::Turned, number: angle, unit: "deg", what })
+    Some(Explanation { rms_px: found.rms_px, is_sure: false, kind: Kind::Turned, number: angle, unit: "deg", what })
 }
 
 /// The pose alone, then pose and focal length, each from the stated pose and from scratch.
@@ -230,11 +269,11 @@ fn posed(camera: &Camera, found: &model::Fit, data: &[Datum]) -> Explanation {
             format!("it stands {away:.1} mm off, turned by {degrees:.2}°"),
         ),
     };
-    Explanation { rms_px: found.rms_px, kind, number, unit, what }
+    Explanation { rms_px: found.rms_px, is_sure: false, kind, number, unit, what }
 }
 
 /// Standard deviations that a hidden focal length must be off.
-const SURE: f64 = 8.0;
+const SURE: f64 = 5.0;
 
 /// A focal length that is wrong although the images fit: the pose makes up for most of it, but not in the depth.
 fn hidden_focal(patient: &Patient, data: &[Datum], params: &Params) -> Option<Finding> {

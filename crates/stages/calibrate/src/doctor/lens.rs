@@ -10,6 +10,9 @@ const SIBLINGS: f64 = 1.5;
 /// How far the principal point may lie off the middle, as a share of the diagonal.
 const CENTER: f64 = 0.15;
 
+/// Points that lie outside the image by more than this do not come from it, px.
+const BEYOND_PX: f64 = 2.0;
+
 pub(super) fn examine(evidence: &Evidence, params: &Params) -> Examination {
     let mut examination = Examination::default();
     for (c, patient) in evidence.patients.iter().enumerate() {
@@ -61,7 +64,9 @@ fn image_size(patient: &Patient, pixels: &[Vector2<f64>]) -> Option<Finding> {
             what,
         ));
     }
-    let outside = pixels.iter().filter(|pixel| !patient.camera.contains(**pixel)).count();
+    let half = Vector2::new(f64::from(width), f64::from(height)) / 2.0;
+    let beyond = |pixel: &&Vector2<f64>| ((*pixel + Vector2::repeat(0.5) - half).abs() - half).max() > BEYOND_PX;
+    let outside = pixels.iter().filter(beyond).count();
     (outside > 0).then(|| {
         let what = format!("{outside} points lie outside its image of {width} × {height} px");
         Finding::of(patient, Kind::ImageSize, outside as f64, "points", what)
