@@ -68,7 +68,7 @@ pub fn image_numbers(pattern: &Path) -> Result<Vec<i64>> {
     Ok(numbers)
 }
 
-/// The names of the folders in a folder, sorted; those that start with a dot are left out.
+/// The names of a folder's sub-folders, in order; hidden ones are left out.
 ///
 /// # Errors
 /// If the folder cannot be read.
@@ -78,10 +78,10 @@ pub fn subfolders(folder: &Path) -> Result<Vec<String>> {
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let entry = entry.map_err(fail)?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if !name.starts_with('.') && entry.path().is_dir() {
+        if entry.path().is_dir() && !name.starts_with('.') {
             names.push(name);
         }
     }
-    names.sort();
+    names.sort_unstable();
     Ok(names)
 }

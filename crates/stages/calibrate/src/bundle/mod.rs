@@ -89,6 +89,16 @@ impl Scene {
     pub fn new(cameras: Vec<Camera>, free: Vec<Free>) -> Self {
         Self { cameras, free, body: Vec::new(), structure: Vec::new(), observations: Vec::new() }
     }
+
+    /// Takes away the observations of points that are not in front of their camera, and says how many: a rough start may
+    /// have some.
+    pub fn drop_behind(&mut self) -> usize {
+        let before = self.observations.len();
+        let in_front: Vec<bool> = self.observations.iter().map(|seen| self.residual(seen).is_some()).collect();
+        let mut keep = in_front.iter();
+        self.observations.retain(|_| keep.next() == Some(&true));
+        before - self.observations.len()
+    }
 }
 
 /// Parameters of [`adjust`].

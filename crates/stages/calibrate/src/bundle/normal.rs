@@ -174,18 +174,6 @@ impl Normal {
         let seen = self.elements.iter().filter(|element| !element.mixed.is_empty());
         self.size + seen.map(|element| element.count).sum::<usize>()
     }
-
-    /// The largest share of the right-hand side in its own parameter's scale: zero at a minimum.
-    pub(super) fn slope(&self) -> f64 {
-        let of_cameras = self.cameras.iter().flat_map(|(block, right)| scaled(right.as_slice(), block.diagonal().as_slice()));
-        let of_elements =
-            self.elements.iter().flat_map(|e| scaled(e.right.as_slice(), e.block.diagonal().as_slice()));
-        of_cameras.chain(of_elements).fold(0.0, f64::max)
-    }
-}
-
-fn scaled(right: &[f64], diagonal: &[f64]) -> Vec<f64> {
-    right.iter().zip(diagonal).filter(|(_, d)| **d > 0.0).map(|(g, d)| g.abs() / d.sqrt()).collect()
 }
 
 impl ElementEquations {

@@ -1,5 +1,13 @@
 //! The subcommands.
 
+mod board;
+#[cfg(feature = "detect")]
+mod detect;
+mod doctor;
+mod doctor_input;
+mod length;
+mod refine;
+mod shared;
 mod wand;
 mod wand_input;
 
@@ -18,7 +26,12 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    #[cfg(feature = "detect")]
+    Detect(detect::Arguments),
+    Board(Box<board::Arguments>),
     Wand(Box<wand::Arguments>),
+    Refine(Box<refine::Arguments>),
+    Doctor(Box<doctor::Arguments>),
 }
 
 impl stage::Arguments for Arguments {
@@ -29,6 +42,11 @@ impl stage::Arguments for Arguments {
 
 pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
+        #[cfg(feature = "detect")]
+        Command::Detect(arguments) => detect::run(run, &arguments),
+        Command::Board(arguments) => board::run(run, &arguments),
         Command::Wand(arguments) => wand::run(run, &arguments),
+        Command::Refine(arguments) => refine::run(run, &arguments),
+        Command::Doctor(arguments) => doctor::run(run, &arguments),
     }
 }

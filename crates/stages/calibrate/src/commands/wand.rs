@@ -1,5 +1,7 @@
 //! `calibrate wand`: from pictures of a waved point to cameras.
 
+use super::length::{self, Word};
+use super::shared::Lens;
 use super::wand_input::{self, Given};
 use anyhow::Context;
 use artifact::{
@@ -7,11 +9,11 @@ use artifact::{
     read_document, write_document,
 };
 use calibrate::bundle::Focal;
-use calibrate::wand::{Ends, Length, Params, Scale, Sightings, Wand, calibrate};
+use calibrate::LensModel;
+use calibrate::wand::{Params, Scale, Sightings, Wand, calibrate};
 use serde_json::{Value, json};
 use stage::Run;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// Find all cameras from one bright point, waved in a dark room
 ///
@@ -31,23 +33,23 @@ pub(crate) struct Arguments {
     take: Option<PathBuf>,
     /// Lenses that are about right (cameras), to start from; they are improved all the same
     #[arg(long, value_name = "FILE")]
-    lenses: Option<PathBuf>,
+    intrinsics: Option<PathBuf>,
     /// Do not improve the given lenses: find poses only
-    #[arg(long, requires = "lenses")]
-    hold_lenses: bool,
+    #[arg(long, requires = "intrinsics")]
+    hold_intrinsics: bool,
     /// Where the size comes from: A:B=MM, a length measured between the point's places in two frames or between two cameras
     /// (several may be given); MM, the cameras' mean distance from the wand; or unknown
-    #[arg(long, value_name = "A:B=MM|MM|unknown", required = true, num_args = 1.., value_delimiter = ',')]
-    scale: Vec<ScaleWord>,
+    #[arg(long, value_name = "A:B=MM|MM|unknown", value_parser = length::word, required = true, num_args = 1.., value_delimiter = ',')]
+    scale: Vec<Word>,
     /// Camera ids to leave out
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
     without: Vec<String>,
     /// Do not look for the principal points: they are in the middle of the images
     #[arg(long)]
     hold_center: bool,
-    /// Distortion that is looked for: k1, k2, p1 and p2
-    #[arg(long, value_name = "none|k1|k1k2|k1k2p1p2", default_value = "k1k2")]
-    distortion: Distortion,
+    /// Which distortion is looked for
+    #[arg(long, value_enum, default_value = "radial2")]
+    lens: Lens,
     /// Seed of the random samples
     #[arg(long, value_name = "N", default_value_t = Params::default().seed)]
     seed: u64,
@@ -59,54 +61,15 @@ pub(crate) struct Arguments {
     tracks: Option<PathBuf>,
 }
 
-/// One word after `--scale`.
-#[derive(Debug, Clone, PartialEq)]
-enum ScaleWord {
-    Unknown,
-    Distance(f64),
-    Length(Length),
-}
-
-impl FromStr for ScaleWord {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |text: &str| match text.parse::<f64>() {
-            Ok(mm) if mm.is_finite() && mm > 0.0 => Ok(mm),
-            _ => Err(format!("'{text}' is not a positive number of mm")),
-        };
-        let Some((ends, mm)) = text.split_once('=') else {
-            return if text == "unknown" { Ok(Self::Unknown) } else { number(text).map(Self::Distance) };
-        };
-        let (a, b) =
-            ends.split_once(':').ok_or("say A:B=MM, with frame numbers or camera ids for A and B")?;
-        let ends = match (a.parse(), b.parse()) {
-            (Ok(a), Ok(b)) => Ends::Frames(a, b),
-            _ => Ends::Cameras(a.to_string(), b.to_string()),
-        };
-        Ok(Self::Length(Length { ends, mm: number(mm)? }))
-    }
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Distortion {
-    None,
-    K1,
-    K1k2,
-    K1k2p1p2,
-}
-
 impl Arguments {
     fn scale(&self) -> anyhow::Result<Scale> {
-        if let [word] = self.scale.as_slice() {
-            match word {
-                ScaleWord::Unknown => return Ok(Scale::Unknown),
-                ScaleWord::Distance(mm) => return Ok(Scale::Distance(*mm)),
-                ScaleWord::Length(_) => {}
-            }
+        match self.scale.as_slice() {
+            [Word::Unknown] => return Ok(Scale::Unknown),
+            [Word::Distance(mm)] => return Ok(Scale::Distance(*mm)),
+            _ => {}
         }
-        let length = |word: &ScaleWord| match word {
-            ScaleWord::Length(length) => Ok(length.clone()),
+        let length = |word: &Word| match word {
+            Word::Length(length) => Ok(length.clone()),
             _ => anyhow::bail!("--scale: lengths A:B=MM can be given together, nothing else"),
         };
         Ok(Scale::Lengths(self.scale.iter().map(length).collect::<anyhow::Result<_>>()?))
@@ -115,16 +78,10 @@ impl Arguments {
     fn params(&self) -> anyhow::Result<Params> {
         let mut params = Params { seed: self.seed, scale: self.scale()?, ..Params::default() };
         let free = &mut params.free;
-        free.center = !self.hold_center && !self.hold_lenses;
-        free.focal = if self.hold_lenses { Focal::Held } else { Focal::Tied };
-        let [first, second, decentred] = match self.distortion {
-            _ if self.hold_lenses => [false; 3],
-            Distortion::None => [false; 3],
-            Distortion::K1 => [true, false, false],
-            Distortion::K1k2 => [true, true, false],
-            Distortion::K1k2p1p2 => [true; 3],
-        };
-        free.distortion = [first, second, decentred, decentred, false];
+        free.center = !self.hold_center && !self.hold_intrinsics;
+        free.focal = if self.hold_intrinsics { Focal::Held } else { Focal::Tied };
+        let lens = if self.hold_intrinsics { LensModel::Pinhole } else { self.lens.into() };
+        free.distortion = lens.free();
         Ok(params)
     }
 }
@@ -134,9 +91,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let params = arguments.params()?;
     run.parameters(&params)?;
     let take = arguments.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
-    let lenses: Option<CameraRig> = match &arguments.lenses {
+    let lenses: Option<CameraRig> = match &arguments.intrinsics {
         Some(path) => {
-            run.input("lenses", path)?;
+            run.input("intrinsics", path)?;
             Some(read_document(path)?)
         }
         None => None,

@@ -82,11 +82,11 @@ fn size(
 }
 
 fn lens(id: &str, image_size: [u32; 2], rig: &CameraRig) -> anyhow::Result<camera::Lens> {
-    let Some(known) = rig.cameras.get(id) else { bail!("--lenses: there is no camera {id}") };
+    let Some(known) = rig.cameras.get(id) else { bail!("--intrinsics: there is no camera {id}") };
     let [width, height] = known.camera.image_size;
     if known.camera.image_size != image_size {
         bail!(
-            "--lenses: camera {id} has {width} × {height} px there, but {} × {} px here",
+            "--intrinsics: camera {id} has {width} × {height} px there, but {} × {} px here",
             image_size[0],
             image_size[1]
         );

@@ -14,10 +14,12 @@ mod finding;
 mod lens;
 mod lengths;
 mod model;
+mod numbering;
 mod trajectory;
 
 pub use finding::{CameraReport, Examination, Finding, Kind};
 pub use lengths::KnownLength;
+pub use numbering::{SeenCorners, numbered_alike};
 
 use camera::Camera;
 use nalgebra::Vector2;
