@@ -15,8 +15,6 @@ pub(super) struct FocalRange {
 /// A metric reconstruction without scale, in normalised images.
 #[derive(Debug, Clone)]
 pub(super) struct Metric {
-    /// How far the cameras are from square pixels and a central principal point.
-    pub(super) cost: f64,
     /// Per camera its focal length and pose.
     pub(super) cameras: Vec<(f64, Isometry3<f64>)>,
     /// Per frame the point.
@@ -37,8 +35,8 @@ pub(super) fn metric_candidates(scene: &Projective, range: &FocalRange, most: us
     }
     trials.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut found: Vec<Metric> = Vec::new();
-    for (cost, map) in trials {
-        let metric = scene.mapped(&map).and_then(|scene| read_off(&scene, cost));
+    for (_, map) in trials {
+        let metric = scene.mapped(&map).and_then(|scene| read_off(&scene));
         if let Some(metric) = metric.filter(|metric| found.iter().all(|other| !metric.is_like(other))) {
             found.push(metric);
         }
@@ -172,7 +170,7 @@ fn flaw(camera: &Matrix3x4<f64>) -> f64 {
 }
 
 /// Focal lengths, poses and points of a metric frame; none where the points lie behind as many cameras as before.
-fn read_off(scene: &Projective, cost: f64) -> Option<Metric> {
+fn read_off(scene: &Projective) -> Option<Metric> {
     let mut cameras = Vec::new();
     for camera in &scene.cameras {
         let camera = (*camera)?;
@@ -193,7 +191,7 @@ fn read_off(scene: &Projective, cost: f64) -> Option<Metric> {
     }
     let point = |point: &nalgebra::Vector4<f64>| Point3::from(point.xyz() / point.w);
     let points: Vec<Option<Point3<f64>>> = scene.points.iter().map(|p| p.as_ref().map(point)).collect();
-    facing(Metric { cost, cameras, points })
+    facing(Metric { cameras, points })
 }
 
 /// A reconstruction is known up to a reflection through the origin: the one with the points before the cameras.
