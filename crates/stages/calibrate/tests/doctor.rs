@@ -23,7 +23,8 @@ struct Filmed {
 fn film(seed: u64, paths: Vec<Vec<Point3<f64>>>, noise_px: f64) -> Filmed {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let cameras = rig::cameras(seed);
-    let mut see = |camera: &Camera| paths.iter().map(|path| rig::track(camera, path, noise_px, &mut rng)).collect();
+    let mut see =
+        |camera: &Camera| paths.iter().map(|path| rig::track(camera, path, noise_px, &mut rng)).collect();
     let seen = cameras.iter().map(&mut see).collect();
     Filmed { cameras, paths, seen }
 }
@@ -40,7 +41,11 @@ fn face(seed: u64, noise_px: f64) -> Filmed {
             let t = frame as f64 / 50.0;
             let jaw = ((-point.y - 10.0) / 60.0).clamp(0.0, 1.0);
             let opened = point + Vector3::new(0.0, -8.0, -2.0) * jaw * (9.0 * t).sin().max(0.0);
-            let nod = UnitQuaternion::from_scaled_axis(Vector3::new(0.05 * (2.2 * t).sin(), 0.08 * (1.3 * t).sin(), 0.0));
+            let nod = UnitQuaternion::from_scaled_axis(Vector3::new(
+                0.05 * (2.2 * t).sin(),
+                0.08 * (1.3 * t).sin(),
+                0.0,
+            ));
             nod * opened
         };
         (0..60).map(at).collect()
@@ -87,7 +92,8 @@ fn axis(rng: &mut ChaCha8Rng) -> Unit<Vector3<f64>> {
 fn turn(filmed: &mut Filmed, c: usize, rng: &mut ChaCha8Rng) {
     let turn = Rotation3::from_axis_angle(&axis(rng), 0.3_f64.to_radians());
     let camera = &mut filmed.cameras[c];
-    camera.cam_from_world = Isometry3::from_parts(Vector3::zeros().into(), turn.into()) * camera.cam_from_world;
+    camera.cam_from_world =
+        Isometry3::from_parts(Vector3::zeros().into(), turn.into()) * camera.cam_from_world;
 }
 
 fn roll(filmed: &mut Filmed, c: usize, _: &mut ChaCha8Rng) {
@@ -114,7 +120,11 @@ fn hide_zoom(filmed: &mut Filmed, c: usize, rng: &mut ChaCha8Rng) {
 fn delay(filmed: &mut Filmed, c: usize, rng: &mut ChaCha8Rng) {
     let is_late: bool = rng.random();
     for track in &mut filmed.seen[c] {
-        if is_late { track.rotate_right(1) } else { track.rotate_left(1) }
+        if is_late {
+            track.rotate_right(1)
+        } else {
+            track.rotate_left(1)
+        }
         let end = if is_late { 0 } else { track.len() - 1 };
         track[end] = None;
     }
@@ -218,7 +228,11 @@ fn a_healthy_rig_is_not_blamed() {
         for noise_px in [0.02, 0.05, 0.1] {
             for (name, scene) in [("wand", wand as fn(u64, f64) -> Filmed), ("face", face)] {
                 let examination = scene(seed, noise_px).examined();
-                assert!(examination.findings.is_empty(), "{name} {seed} {noise_px}: {:?}", examination.findings);
+                assert!(
+                    examination.findings.is_empty(),
+                    "{name} {seed} {noise_px}: {:?}",
+                    examination.findings
+                );
             }
         }
     }

@@ -96,7 +96,11 @@ fn views(frame: &Tracks2dFrame, cameras: &[usize], marker: usize) -> Vec<(usize,
     seen.collect()
 }
 
-fn known(length: &Length, header: &Tracks2dHeader, index: &BTreeMap<(String, i64), usize>) -> Vec<KnownLength> {
+fn known(
+    length: &Length,
+    header: &Tracks2dHeader,
+    index: &BTreeMap<(String, i64), usize>,
+) -> Vec<KnownLength> {
     let mm = length.mm;
     match (&length.ends, header.markers.as_slice()) {
         (Ends::Frames(a, b), [only]) => {

@@ -8,8 +8,8 @@ use artifact::{
     CameraRig, FrameWriter, RigCamera, Sample2d, Staged, Tracks2d, Tracks2dFrame, Tracks2dHeader,
     read_document, write_document,
 };
-use calibrate::bundle::Focal;
 use calibrate::LensModel;
+use calibrate::bundle::Focal;
 use calibrate::wand::{Params, Scale, Sightings, Wand, calibrate};
 use serde_json::{Value, json};
 use stage::Run;
@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
     /// Do not look for the principal points: they are in the middle of the images
     #[arg(long)]
     hold_center: bool,
-    /// Which distortion is looked for
+    /// Which distortion is looked for; a point tells little of p1 and p2 unless the lens is wide
     #[arg(long, value_enum, default_value = "radial2")]
     lens: Lens,
     /// Seed of the random samples

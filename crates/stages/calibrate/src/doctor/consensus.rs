@@ -36,10 +36,13 @@ pub(super) fn examine(evidence: &Evidence, params: &Params, examination: &mut Ex
     lengths::examine(&evidence.lengths, &points, params, examination);
 }
 
-/// Rays of all views, in world space.
+/// A view in world space: camera, eye, direction.
+type Ray = (usize, Point3<f64>, Vector3<f64>);
+
+/// Rays of all views.
 struct Rays {
-    /// Per sighting: camera, eye, direction.
-    views: Vec<Vec<(usize, Point3<f64>, Vector3<f64>)>>,
+    /// Per sighting.
+    views: Vec<Vec<Ray>>,
 }
 
 impl Rays {
@@ -58,7 +61,7 @@ impl Rays {
 
     /// Per sighting the point nearest to the rays of trusted cameras, one left out; none from fewer than two.
     fn points(&self, trusted: &[bool], without: Option<usize>) -> Vec<Option<Point3<f64>>> {
-        let place = |views: &Vec<(usize, Point3<f64>, Vector3<f64>)>| {
+        let place = |views: &Vec<Ray>| {
             nearest(views.iter().filter(|view| trusted[view.0] && Some(view.0) != without))
         };
         self.views.iter().map(place).collect()
@@ -69,7 +72,7 @@ impl Rays {
 const PARALLEL: f64 = 1e-6;
 
 /// The point with the least squared distance to rays, wherever it lies along them.
-fn nearest<'a>(views: impl Iterator<Item = &'a (usize, Point3<f64>, Vector3<f64>)>) -> Option<Point3<f64>> {
+fn nearest<'a>(views: impl Iterator<Item = &'a Ray>) -> Option<Point3<f64>> {
     let (mut normal, mut right, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0);
     for (_, eye, direction) in views {
         let across = Matrix3::identity() - direction * direction.transpose();
@@ -92,7 +95,7 @@ impl Court<'_> {
     /// Median distance between the rays of two cameras, px; none where they share too little.
     fn pair_px(&self, a: usize, b: usize) -> Option<f64> {
         let focal = |c: usize| self.evidence.patients[c].camera.lens.focal_px.x;
-        let gap = |views: &Vec<(usize, Point3<f64>, Vector3<f64>)>| {
+        let gap = |views: &Vec<Ray>| {
             let pair: Vec<_> = views.iter().filter(|view| view.0 == a || view.0 == b).collect();
             let point = nearest(pair.iter().copied()).filter(|_| pair.len() == 2)?;
             let off = pair.iter().map(|(c, eye, direction)| {
@@ -117,10 +120,12 @@ impl Court<'_> {
         while self.trusted.iter().filter(|trusted| **trusted).count() > 3 {
             let kept: Vec<usize> = (0..count).filter(|&c| self.trusted[c]).collect();
             let middle = |a: usize| median(kept.iter().filter_map(|&b| gaps[a][b]).collect());
-            let all = median(kept.iter().flat_map(|&a| kept.iter().filter_map(move |&b| Some((a, b)))).filter_map(|(a, b)| gaps[a][b]).collect());
+            let all = median(kept.iter().flat_map(|&a| kept.iter().filter_map(|&b| gaps[a][b]).collect::<Vec<_>>()).collect());
             let worst = kept.iter().map(|&c| (middle(c), c)).max_by(|x, y| x.0.total_cmp(&y.0));
             match worst {
-                Some((gap, camera)) if gap > GROSS_PX && gap > GROSS_RATIO * all => self.trusted[camera] = false,
+                Some((gap, camera)) if gap > GROSS_PX && gap > GROSS_RATIO * all => {
+                    self.trusted[camera] = false
+                }
                 _ => break,
             }
         }
@@ -131,7 +136,8 @@ impl Court<'_> {
         while self.trusted.iter().filter(|trusted| **trusted).count() > 2 {
             let verdicts = self.verdicts();
             let guilt = |(c, verdict): (usize, &Option<Verdict>)| {
-                let verdict = verdict.as_ref().filter(|verdict| self.trusted[c] && verdict.finding.is_some())?;
+                let verdict =
+                    verdict.as_ref().filter(|verdict| self.trusted[c] && verdict.finding.is_some())?;
                 // In millimetres, so that long lenses are not blamed for their scale; what a fault explains counts.
                 let focal = self.evidence.patients[c].camera.lens.focal_px.x;
                 Some(((verdict.rms_px - verdict.left_px) / focal, c))
@@ -148,14 +154,16 @@ impl Court<'_> {
     fn verdicts(&self) -> Vec<Option<Verdict>> {
         let points: Vec<Vec<Option<Point3<f64>>>> =
             (0..self.trusted.len()).map(|c| self.rays.points(&self.trusted, Some(c))).collect();
-        let data: Vec<Vec<Datum>> = points.iter().enumerate().map(|(c, points)| self.data(c, points)).collect();
+        let data: Vec<Vec<Datum>> =
+            points.iter().enumerate().map(|(c, points)| self.data(c, points)).collect();
         let rms = |c: usize| super::model::rms(&self.evidence.patients[c].camera, &data[c]);
-        let noise = median((0..data.len()).filter(|&c| data[c].len() >= LEAST_DATA && self.trusted[c]).map(rms).collect());
+        let noise = median(
+            (0..data.len()).filter(|&c| data[c].len() >= LEAST_DATA && self.trusted[c]).map(rms).collect(),
+        );
         let verdict = |c: usize| {
             let trajectories = Trajectories::of(&self.evidence.sightings, &points[c]);
             let patient = &self.evidence.patients[c];
-            (data[c].len() >= LEAST_DATA)
-                .then(|| judge(patient, &data[c], &trajectories, noise, self.params))
+            (data[c].len() >= LEAST_DATA).then(|| judge(patient, &data[c], &trajectories, noise, self.params))
         };
         (0..data.len()).into_par_iter().map(verdict).collect()
     }
@@ -201,7 +209,9 @@ impl Court<'_> {
         let count = self.trusted.len();
         examination.unchecked.push("which camera is wrong: only two see the points".into());
         for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))) {
-            let Some(gap) = self.pair_px(a, b).filter(|gap| *gap > 2.0 * self.params.tolerance_px) else { continue };
+            let Some(gap) = self.pair_px(a, b).filter(|gap| *gap > 2.0 * self.params.tolerance_px) else {
+                continue;
+            };
             let [a, b] = [a, b].map(|c| &self.evidence.patients[c].id);
             examination.findings.push(Finding {
                 camera: None,

@@ -115,8 +115,8 @@ const CLEAR: f64 = 60.0;
 /// clock when all that moves moves one way.
 fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajectories) -> Option<Lateness> {
     let speed = |datum: &Datum| {
-        let [before, after] = [-1.0, 1.0]
-            .map(|step| camera.project(&trajectories.at(datum.name, datum.frame as f64 + step)?));
+        let [before, after] =
+            [-1.0, 1.0].map(|step| camera.project(&trajectories.at(datum.name, datum.frame as f64 + step)?));
         Some((after? - before?).norm() / 2.0)
     };
     let mut fast: Vec<(f64, &Datum)> = data.iter().filter_map(|datum| Some((speed(datum)?, datum))).collect();
@@ -148,7 +148,13 @@ fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajectories) -> Opt
 }
 
 /// RMS of the residuals with the points where they were `late` frames before; infinite where too few are known.
-fn shifted_rms(camera: &Camera, data: &[&Datum], trajectories: &Trajectories, late: f64, about_mean: bool) -> f64 {
+fn shifted_rms(
+    camera: &Camera,
+    data: &[&Datum],
+    trajectories: &Trajectories,
+    late: f64,
+    about_mean: bool,
+) -> f64 {
     let residuals: Vec<Vector2<f64>> = data
         .iter()
         .filter_map(|datum| {
@@ -174,7 +180,14 @@ fn zoomed(camera: &Camera, data: &[Datum]) -> Option<Explanation> {
     let found = fit(camera, data, FOCAL)?;
     let off = share(&found.camera, camera);
     let what = format!("its focal length is {:+.2} % off what its images show", 100.0 * off);
-    Some(Explanation { rms_px: found.rms_px, is_sure: false, kind: Kind::Zoomed, number: off, unit: "share", what })
+    Some(Explanation {
+        rms_px: found.rms_px,
+        is_sure: false,
+        kind: Kind::Zoomed,
+        number: off,
+        unit: "share",
+        what,
+    })
 }
 
 fn mirrored(camera: &Camera, data: &[Datum]) -> Vec<Explanation> {
@@ -189,9 +202,9 @@ fn mirrored(camera: &Camera, data: &[Datum]) -> Vec<Explanation> {
             let [x, y] = datum.pixel.into();
             Vector2::new(if across { width - x } else { x }, if down { height - y } else { y })
         };
-        let lengths = data.iter().map(|datum| {
-            camera.project(&datum.point).map_or(1e4, |pixel| (pixel - back(datum)).norm())
-        });
+        let lengths = data
+            .iter()
+            .map(|datum| camera.project(&datum.point).map_or(1e4, |pixel| (pixel - back(datum)).norm()));
         Some(Explanation {
             rms_px: trimmed_rms(lengths)?,
             is_sure: false,
@@ -213,7 +226,14 @@ fn turned(camera: &Camera, data: &[Datum]) -> Option<Explanation> {
     let found = fit(camera, data, TURN)?;
     let angle = turn(&found.camera, camera).norm().to_degrees();
     let what = format!("it is turned by {angle:.2}° against its images");
-    Some(Explanation { rms_px: found.rms_px, is_sure: false, kind: Kind::Turned, number: angle, unit: "deg", what })
+    Some(Explanation {
+        rms_px: found.rms_px,
+        is_sure: false,
+        kind: Kind::Turned,
+        number: angle,
+        unit: "deg",
+        what,
+    })
 }
 
 /// The pose alone, then pose and focal length, each from the stated pose and from scratch.
@@ -251,23 +271,19 @@ fn posed(camera: &Camera, found: &model::Fit, data: &[Datum]) -> Explanation {
         [camera, &found.camera].map(|camera| (camera.cam_from_world * nalgebra::Point3::from(mean)).coords);
     let degrees = turn.norm().to_degrees();
     let along = turn.normalize().dot(&right.normalize()).abs();
-    let is_flip = turn.norm() > LEAST_FLIP
-        && along < FLIP_ALONG
-        && (stated - right).norm() < FLIP_SHIFT * right.norm();
+    let is_flip =
+        turn.norm() > LEAST_FLIP && along < FLIP_ALONG && (stated - right).norm() < FLIP_SHIFT * right.norm();
     let away = (camera.eye_in_world() - found.camera.eye_in_world()).norm();
     let (kind, number, unit, what) = match is_flip {
         true => (
             Kind::Flipped,
             degrees,
             "deg",
-            format!("its pose is tipped over by {degrees:.1}° about the scene's middle, as a flat board's other pose is"),
+            format!(
+                "its pose is tipped over by {degrees:.1}° about the scene's middle, as a flat board's other pose is"
+            ),
         ),
-        false => (
-            Kind::Moved,
-            away,
-            "mm",
-            format!("it stands {away:.1} mm off, turned by {degrees:.2}°"),
-        ),
+        false => (Kind::Moved, away, "mm", format!("it stands {away:.1} mm off, turned by {degrees:.2}°")),
     };
     Explanation { rms_px: found.rms_px, is_sure: false, kind, number, unit, what }
 }

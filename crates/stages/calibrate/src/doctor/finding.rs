@@ -87,7 +87,9 @@ impl Kind {
     /// What to do about it.
     pub(super) fn advice(self) -> &'static str {
         match self {
-            Self::ImageSize => "calibrate with images of the footage's size, or scale the calibration on import",
+            Self::ImageSize => {
+                "calibrate with images of the footage's size, or scale the calibration on import"
+            }
             Self::Focal | Self::Aspect | Self::Center => {
                 "check the image size and the board's squares, hold the focal ratio, and use more tilted views"
             }
@@ -99,7 +101,9 @@ impl Kind {
             Self::Turned | Self::Moved => {
                 "calibrate its pose again; fix the camera: it was touched after the calibration, or during it"
             }
-            Self::Zoomed => "calibrate its lens again with the zoom and the focus of the footage, and tape them",
+            Self::Zoomed => {
+                "calibrate its lens again with the zoom and the focus of the footage, and tape them"
+            }
             Self::Late => "run capture-sync check; shift its frames by that number",
             Self::Unexplained => "look at its footage: other faults than these, or several at once",
             Self::Length => "check the size of the board's squares or the stated length",

@@ -27,7 +27,9 @@ pub(super) fn examine(
     };
     let mut ratios: Vec<f64> = lengths.iter().filter_map(ratio).collect();
     if ratios.is_empty() {
-        examination.unchecked.push("known lengths: there are none between points that two cameras see".into());
+        examination
+            .unchecked
+            .push("known lengths: there are none between points that two cameras see".into());
         return;
     }
     ratios.sort_by(f64::total_cmp);
@@ -36,7 +38,8 @@ pub(super) fn examine(
     let kept = &ratios[tenth..ratios.len() - tenth];
     let count = kept.len() as f64;
     let mean = kept.iter().sum::<f64>() / count;
-    let spread = (kept.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
+    let spread =
+        (kept.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
     examination.length_ratio = Some(mean);
     let off = mean - 1.0;
     if off.abs() > params.length && off.abs() > SURE * spread / count.sqrt() {

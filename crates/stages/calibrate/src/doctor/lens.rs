@@ -19,7 +19,9 @@ pub(super) fn examine(evidence: &Evidence, params: &Params) -> Examination {
         let pixels: Vec<Vector2<f64>> = evidence
             .sightings
             .iter()
-            .flat_map(|sighting| sighting.views.iter().filter(|(camera, _)| *camera == c).map(|(_, pixel)| *pixel))
+            .flat_map(|sighting| {
+                sighting.views.iter().filter(|(camera, _)| *camera == c).map(|(_, pixel)| *pixel)
+            })
             .collect();
         let coverage = (!pixels.is_empty()).then(|| coverage(patient.camera.image_size, &pixels));
         let findings = [
@@ -41,7 +43,9 @@ pub(super) fn examine(evidence: &Evidence, params: &Params) -> Examination {
         });
     }
     if evidence.patients.iter().any(|patient| patient.footage_size.is_none()) {
-        examination.unchecked.push("image sizes against the footage: no take manifest says the footage's".into());
+        examination
+            .unchecked
+            .push("image sizes against the footage: no take manifest says the footage's".into());
     }
     examination
 }
@@ -65,7 +69,8 @@ fn image_size(patient: &Patient, pixels: &[Vector2<f64>]) -> Option<Finding> {
         ));
     }
     let half = Vector2::new(f64::from(width), f64::from(height)) / 2.0;
-    let beyond = |pixel: &&Vector2<f64>| ((*pixel + Vector2::repeat(0.5) - half).abs() - half).max() > BEYOND_PX;
+    let beyond =
+        |pixel: &&Vector2<f64>| ((*pixel + Vector2::repeat(0.5) - half).abs() - half).max() > BEYOND_PX;
     let outside = pixels.iter().filter(beyond).count();
     (outside > 0).then(|| {
         let what = format!("{outside} points lie outside its image of {width} × {height} px");
@@ -89,7 +94,8 @@ fn focal(patient: &Patient, evidence: &Evidence) -> Option<Finding> {
     siblings.sort_by(f64::total_cmp);
     let ratio = focal / siblings[siblings.len() / 2];
     (siblings.len() >= 3 && !(1.0 / SIBLINGS..=SIBLINGS).contains(&ratio)).then(|| {
-        let what = format!("its focal length is {ratio:.2} times that of the cameras with the same image size");
+        let what =
+            format!("its focal length is {ratio:.2} times that of the cameras with the same image size");
         Finding::of(patient, Kind::Focal, ratio, "ratio", what)
     })
 }
@@ -120,9 +126,8 @@ const PLACES: [[f64; 2]; 8] =
 
 fn fold(patient: &Patient) -> Option<Finding> {
     let [width, height] = patient.camera.image_size.map(|side| f64::from(side) - 1.0);
-    let folded = |[x, y]: &[f64; 2]| {
-        patient.camera.lens.unproject(Vector2::new(x * width, y * height)).is_none()
-    };
+    let folded =
+        |[x, y]: &[f64; 2]| patient.camera.lens.unproject(Vector2::new(x * width, y * height)).is_none();
     let count = PLACES.iter().filter(|place| folded(place)).count();
     (count > 0).then(|| {
         let what = format!("its distortion folds within the image, at {count} of its {} ends", PLACES.len());

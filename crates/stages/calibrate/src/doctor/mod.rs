@@ -11,8 +11,8 @@
 mod consensus;
 mod fault;
 mod finding;
-mod lens;
 mod lengths;
+mod lens;
 mod model;
 mod numbering;
 mod trajectory;

@@ -1,7 +1,9 @@
 //! A camera fitted to points that others placed.
 
 use camera::Camera;
-use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3x4, Point3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{
+    DMatrix, Isometry3, Matrix3, Matrix3x4, Point3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3,
+};
 
 /// A point that others placed, and where the camera sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,6 +155,9 @@ fn equations(
     Some((normal, right, squares / weights))
 }
 
+/// Share of the largest eigenvalue under which the second least one says that the points are flat.
+const FLAT: f64 = 1e-9;
+
 /// The pose that a camera of this lens must have, found without any start: the direct linear transform over undistorted
 /// points [HartleyZisserman2004, § 7.1]. None from fewer than six points, or flat ones.
 pub(super) fn direct_pose(camera: &Camera, data: &[Datum]) -> Option<Camera> {
@@ -174,7 +179,7 @@ pub(super) fn direct_pose(camera: &Camera, data: &[Datum]) -> Option<Camera> {
     let eigen = normal.symmetric_eigen();
     let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
     values.sort_by(f64::total_cmp);
-    if data.len() < 6 || !(values[1] > 1e-9 * values[11]) {
+    if data.len() < 6 || values[1] <= FLAT * values[11] {
         return None;
     }
     let null = eigen.eigenvectors.column(eigen.eigenvalues.imin());

@@ -20,7 +20,8 @@ pub fn numbered_alike(patients: &[Patient], seen: Vec<SeenCorners>, ways: &[Vec<
     }
     let choices = |first: &SeenCorners| -> (f64, Vec<usize>) {
         let choice = |other: &SeenCorners| {
-            let gaps = ways.iter().enumerate().map(|(way, numbers)| (gap(patients, first, other, numbers), way));
+            let gaps =
+                ways.iter().enumerate().map(|(way, numbers)| (gap(patients, first, other, numbers), way));
             gaps.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
         };
         let found: Vec<(f64, usize)> = seen.iter().map(choice).collect();

@@ -59,7 +59,7 @@ pub fn bright_point(picture: &Luminance, params: &BlobParams) -> Shown {
     assert_eq!(picture.values.len(), picture.width * picture.height, "one value per pixel");
     let (background, noise) = background(&picture.values);
     let peak = picture.values.iter().fold(f64::NEG_INFINITY, |peak, value| peak.max(*value));
-    if !(peak - background > params.rise * noise) {
+    if peak - background <= params.rise * noise {
         return Shown::Nothing;
     }
     let threshold = background + params.threshold * (peak - background);

@@ -26,6 +26,9 @@ pub enum Error {
     /// A camera that does not fit with the others.
     #[error("camera {0}: what it sees does not fit with what the others see at the same time")]
     Apart(String),
+    /// Cameras that see the world as in a mirror.
+    #[error("camera {}: its images are mirrored", .0.join(", "))]
+    Mirrored(Vec<String>),
     /// No metric reconstruction.
     #[error("no focal lengths make this one point before all cameras")]
     NoMetric,
@@ -60,6 +63,7 @@ impl Error {
                 "check that images of equal number were taken at the same time and are not mirrored, that one point only \
                  glows, and that it was waved through the depth of the space, not in a plane"
             }
+            Self::Mirrored(_) => "switch off mirroring in the camera or its recorder, or flip the images",
             Self::NoMetric => {
                 "wave the point through more of the images and the depth, or give approximate lenses"
             }

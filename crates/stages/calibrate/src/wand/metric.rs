@@ -27,24 +27,37 @@ pub(super) struct Metric {
 ///
 /// Where all cameras look at one point, as they do around a face, the usual linear equations for the absolute quadric leave
 /// a family open (every sphere around that point satisfies them); this search never leaves the quadrics of rank three.
-pub(super) fn metric_candidates(scene: &Projective, range: &FocalRange, most: usize) -> Vec<Metric> {
+///
+/// # Errors
+/// Cameras that all points lie behind, in the likeliest reconstruction, if there is no other: a mirrored image is a sound
+/// projective view, but of points behind its camera.
+pub(super) fn metric_candidates(
+    scene: &Projective,
+    range: &FocalRange,
+    most: usize,
+) -> Result<Vec<Metric>, Vec<usize>> {
     let mut trials: Vec<(f64, Matrix4<f64>)> = Vec::new();
     for base in base_pairs(scene) {
         let Some(trial) = Trial::of(scene, base) else { continue };
         trials.extend(trial.search(range));
     }
     trials.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut found: Vec<Metric> = Vec::new();
+    let (mut found, mut astray): (Vec<Metric>, Option<Vec<usize>>) = (Vec::new(), None);
     for (_, map) in trials {
-        let metric = scene.mapped(&map).and_then(|scene| read_off(&scene));
-        if let Some(metric) = metric.filter(|metric| found.iter().all(|other| !metric.is_like(other))) {
-            found.push(metric);
+        let Some(metric) = scene.mapped(&map).and_then(|scene| read_off(&scene)) else { continue };
+        match facing(metric) {
+            Ok(metric) if found.iter().all(|other| !metric.is_like(other)) => found.push(metric),
+            Ok(_) => {}
+            Err(behind) => astray = astray.or(Some(behind)),
         }
         if found.len() == most {
             break;
         }
     }
-    found
+    match astray {
+        Some(behind) if found.is_empty() => Err(behind),
+        _ => Ok(found),
+    }
 }
 
 /// Every camera with the next, in a ring: whatever pair is badly placed, others are not.
@@ -169,7 +182,7 @@ fn flaw(camera: &Matrix3x4<f64>) -> f64 {
     skew * skew + aspect * aspect + centre
 }
 
-/// Focal lengths, poses and points of a metric frame; none where the points lie behind as many cameras as before.
+/// Focal lengths, poses and points of a metric frame; none where a camera is none.
 fn read_off(scene: &Projective) -> Option<Metric> {
     let mut cameras = Vec::new();
     for camera in &scene.cameras {
@@ -191,27 +204,36 @@ fn read_off(scene: &Projective) -> Option<Metric> {
     }
     let point = |point: &nalgebra::Vector4<f64>| Point3::from(point.xyz() / point.w);
     let points: Vec<Option<Point3<f64>>> = scene.points.iter().map(|p| p.as_ref().map(point)).collect();
-    facing(Metric { cameras, points })
+    Some(Metric { cameras, points })
 }
 
-/// A reconstruction is known up to a reflection through the origin: the one with the points before the cameras.
-fn facing(mut metric: Metric) -> Option<Metric> {
-    let depths = || {
-        metric
-            .cameras
-            .iter()
-            .flat_map(|(_, pose)| metric.points.iter().flatten().map(move |point| (pose * point).z))
-    };
-    let (before, all) = (depths().filter(|z| *z > 0.0).count(), depths().count());
-    if 2 * before < all {
+/// A reconstruction is known up to a reflection through the origin: the one with the points before most cameras.
+///
+/// # Errors
+/// The cameras that most points lie behind even so.
+fn facing(mut metric: Metric) -> Result<Metric, Vec<usize>> {
+    let shares: Vec<f64> =
+        metric.cameras.iter().map(|(_, pose)| share_before(pose, &metric.points)).collect();
+    let is_reflected = shares.iter().sum::<f64>() < 0.5 * shares.len() as f64;
+    if is_reflected {
         metric.cameras.iter_mut().for_each(|(_, pose)| pose.translation.vector.neg_mut());
         metric.points.iter_mut().flatten().for_each(|point| point.coords.neg_mut());
     }
-    let before = before.max(all - before);
-    (before as f64 >= LEAST_BEFORE * all as f64).then_some(metric)
+    let before = |share: f64| if is_reflected { 1.0 - share } else { share };
+    let behind: Vec<usize> = (0..shares.len()).filter(|&c| before(shares[c]) < LEAST_BEFORE).collect();
+    if behind.is_empty() { Ok(metric) } else { Err(behind) }
 }
 
-/// Share of the points that must lie before the cameras.
+fn share_before(pose: &Isometry3<f64>, points: &[Option<Point3<f64>>]) -> f64 {
+    let (mut before, mut all) = (0, 0);
+    for point in points.iter().flatten() {
+        before += usize::from((pose * point).z > 0.0);
+        all += 1;
+    }
+    f64::from(before as u32) / f64::from(all.max(1) as u32)
+}
+
+/// Share of the points that must lie before each camera.
 const LEAST_BEFORE: f64 = 0.9;
 
 impl Metric {

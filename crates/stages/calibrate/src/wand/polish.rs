@@ -21,7 +21,9 @@ pub(super) struct State {
 /// Steps in which candidates compete.
 const TRIAL_STEPS: usize = 40;
 /// Rounds in which sightings are taken out and let in again.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 12;
+/// In the first rounds limits are wider, by half as much in each.
+const WIDE_ROUNDS: i32 = 4;
 /// A residual below this is never an outlier, px: cameras may agree better than any sensor can.
 const FLOOR_PX: f64 = 0.25;
 /// Standard deviation of one coordinate in the median length of a residual of two.
@@ -76,14 +78,17 @@ fn ladder(first: Free, last: Free) -> Vec<Free> {
     vec![radial, lens, last]
 }
 
-/// Takes out sightings that are far off for their camera, lets in those that are not, and adjusts again until none changes.
+/// Takes out sightings that are far off for their camera, lets in those that are not, and adjusts again until none changes. The
+/// limits close in: at first a camera may be off because of what others saw wrongly.
 fn settle(sightings: &Sightings, mut state: State, params: &Params) -> Result<State, Error> {
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         let before = state.kept.clone();
-        state.sort_out(sightings, params.reject);
-        let adjusted = state.adjusted(sightings, params.free, Loss::Squares, 200)?;
+        let slack = 0.5_f64.powi(round as i32 - WIDE_ROUNDS).max(1.0);
+        let typical = state.sort_out(sightings, params.reject * slack);
+        let loss = if slack > 1.0 { Loss::Huber { scale_px: 2.0 * typical } } else { Loss::Squares };
+        let adjusted = state.adjusted(sightings, params.free, loss, 200)?;
         state.take(&adjusted);
-        if state.kept == before {
+        if slack <= 1.0 && state.kept == before {
             break;
         }
     }
@@ -163,9 +168,12 @@ impl State {
         }
     }
 
-    /// Places every point anew from the sightings that agree, and believes those that are not far off for their camera.
-    fn sort_out(&mut self, sightings: &Sightings, reject: f64) {
-        let spreads: Vec<f64> = (0..self.cameras.len()).map(|c| self.spread(sightings, c)).collect();
+    /// Places every point anew from the sightings that agree, and believes those that are not far off for their camera. Returns the
+    /// cameras' middle standard deviation, px.
+    fn sort_out(&mut self, sightings: &Sightings, reject: f64) -> f64 {
+        let points: Vec<Option<Point3<f64>>> =
+            (0..sightings.frames.len()).map(|frame| self.nearest(sightings, frame)).collect();
+        let spreads: Vec<f64> = (0..self.cameras.len()).map(|c| self.spread(sightings, &points, c)).collect();
         let limit = |c: usize| (reject * spreads[c]).max(FLOOR_PX);
         for frame in 0..sightings.frames.len() {
             let seen: Vec<(usize, Vector2<f64>)> = sightings
@@ -178,41 +186,70 @@ impl State {
             self.points[frame] = point;
             (0..self.cameras.len()).for_each(|c| self.kept[c][frame] = agree.contains(&c));
         }
+        let mut sorted = spreads;
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2].max(FLOOR_PX / reject)
+    }
+
+    /// The point nearest to the rays of those who are believed. Sightings are sorted out by it, so that spreads are those about it,
+    /// too: it weighs millimetres, and lies farther from a long lens's pixels than the bundle adjustment's point.
+    fn nearest(&self, sightings: &Sightings, frame: usize) -> Option<Point3<f64>> {
+        let views = self.cameras.iter().zip(&sightings.cameras).zip(&self.kept);
+        let believed = views
+            .filter_map(|((camera, seen), kept)| Some((camera, seen.track[frame].filter(|_| kept[frame])?)));
+        Camera::nearest_to_rays(believed.collect::<Vec<_>>())
     }
 
     /// Standard deviation of a camera's residuals in one coordinate, by their median length.
-    fn spread(&self, sightings: &Sightings, camera: usize) -> f64 {
+    fn spread(&self, sightings: &Sightings, points: &[Option<Point3<f64>>], camera: usize) -> f64 {
         let track = &sightings.cameras[camera].track;
-        let mut lengths: Vec<f64> = (0..track.len())
-            .filter(|&frame| self.kept[camera][frame])
-            .filter_map(|frame| {
-                Some((self.cameras[camera].project(&self.points[frame]?)? - track[frame]?).norm())
-            })
-            .collect();
+        let off =
+            |frame: usize| Some((self.cameras[camera].project(&points[frame]?)? - track[frame]?).norm());
+        let kept = (0..track.len()).filter(|&frame| self.kept[camera][frame]);
+        let mut lengths: Vec<f64> = kept.filter_map(off).collect();
         lengths.sort_by(f64::total_cmp);
         lengths.get(lengths.len() / 2).map_or(0.0, |median| median / RAYLEIGH_MEDIAN)
     }
 }
 
-/// The point that most sightings agree on, and who they are: without the worst, until all are within their limits.
+/// The point that most sightings agree on, and who they are.
 fn agreed(
     cameras: &[Camera],
     seen: &[(usize, Vector2<f64>)],
     limit: &dyn Fn(usize) -> f64,
 ) -> (Option<Point3<f64>>, Vec<usize>) {
-    let mut left = seen.to_vec();
-    while left.len() >= 2 {
-        let point = Camera::nearest_to_rays(left.iter().map(|(c, pixel)| (&cameras[*c], *pixel)));
-        let excess = |(c, pixel): &(usize, Vector2<f64>)| {
-            let projected = point.and_then(|point| cameras[*c].project(&point));
-            projected.map_or(f64::INFINITY, |projected| (projected - pixel).norm() / limit(*c))
+    let place = |views: &[(usize, Vector2<f64>)]| {
+        Camera::nearest_to_rays(views.iter().map(|(c, pixel)| (&cameras[*c], *pixel)))
+    };
+    let near = |point: &Point3<f64>, slack: f64| -> Vec<(usize, Vector2<f64>)> {
+        let is_near = |(c, pixel): &&(usize, Vector2<f64>)| {
+            let projected = cameras[*c].project(point);
+            projected.is_some_and(|projected| (projected - pixel).norm() <= slack * limit(*c))
         };
-        let excesses: Vec<f64> = left.iter().map(excess).collect();
-        let worst = (0..left.len()).max_by(|&a, &b| excesses[a].total_cmp(&excesses[b])).unwrap_or(0);
-        if excesses[worst] <= 1.0 {
-            return (point, left.into_iter().map(|(c, _)| c).collect());
-        }
-        left.remove(worst);
+        seen.iter().filter(is_near).copied().collect()
+    };
+    let everyone = place(seen).filter(|point| near(point, 1.0).len() == seen.len());
+    if let Some(point) = everyone.filter(|_| seen.len() >= 2) {
+        return (Some(point), seen.iter().map(|(c, _)| *c).collect());
     }
-    (None, Vec::new())
+    // Somebody is wrong, and would drag a common point along: every two are asked who agrees with them.
+    let pairs = (0..seen.len()).flat_map(|a| (a + 1..seen.len()).map(move |b| [seen[a], seen[b]]));
+    let mut most: Vec<(usize, Vector2<f64>)> = Vec::new();
+    for pair in pairs {
+        let group = place(&pair).map(|point| near(&point, PAIR_SLACK)).unwrap_or_default();
+        if group.len() > most.len() {
+            most = group;
+        }
+    }
+    let Some(point) = place(&most).filter(|_| most.len() > 2 || seen.len() == 2) else {
+        return (None, Vec::new());
+    };
+    let group = near(&point, 1.0);
+    if group.len() < 2 {
+        return (None, Vec::new());
+    }
+    (place(&group), group.into_iter().map(|(c, _)| c).collect())
 }
+
+/// What two cameras make of a point is less sure than what all do.
+const PAIR_SLACK: f64 = 3.0;

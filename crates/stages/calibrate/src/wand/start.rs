@@ -40,6 +40,7 @@ pub(super) fn candidates(sightings: &Sightings, params: &Params) -> Result<Vec<S
             CANDIDATES,
         ),
     };
+    let found = found.map_err(|behind| astray(sightings, &behind))?;
     let kept: Vec<Vec<bool>> =
         tracks.iter().map(|track| track.iter().map(Option::is_some).collect()).collect();
     Ok(found.into_iter().map(|metric| state(sightings, metric, &kept)).collect())
@@ -87,7 +88,7 @@ fn drop_outliers(tracks: &mut [Track], pairs: &[Pair]) {
 /// Takes out sightings that are far from their points, and all of a frame without a point.
 fn drop_far(tracks: &mut [Track], scene: &Projective, limit: f64) {
     for (camera, frame, error) in scene.errors(tracks) {
-        if !(error < limit) {
+        if error >= limit {
             tracks[camera][frame] = None;
         }
     }
@@ -100,18 +101,30 @@ fn drop_far(tracks: &mut [Track], scene: &Projective, limit: f64) {
     }
 }
 
+/// What cameras are whose points lie behind them.
+fn astray(sightings: &Sightings, behind: &[usize]) -> Error {
+    match 2 * behind.len() < sightings.cameras.len() {
+        true => Error::Mirrored(behind.iter().map(|&c| sightings.cameras[c].id.clone()).collect()),
+        false => Error::NoMetric,
+    }
+}
+
 /// The reconstruction with focal lengths that are known.
-fn known_lenses(sightings: &Sightings, mut scene: Projective, lenses: &[Lens]) -> Vec<Metric> {
+fn known_lenses(
+    sightings: &Sightings,
+    mut scene: Projective,
+    lenses: &[Lens],
+) -> Result<Vec<Metric>, Vec<usize>> {
     let focal = |c: usize| lenses[c].focal_px / unit(sightings.cameras[c].image_size);
     for (c, camera) in scene.cameras.iter_mut().enumerate() {
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0 / focal(c).x, 1.0 / focal(c).y, 1.0));
         *camera = camera.map(|camera| inverse * camera);
     }
-    let mut found = metric_candidates(&scene, &FocalRange { ends: [1.0, 1.0], steps: 1 }, CANDIDATES);
+    let mut found = metric_candidates(&scene, &FocalRange { ends: [1.0, 1.0], steps: 1 }, CANDIDATES)?;
     for metric in &mut found {
         metric.cameras.iter_mut().enumerate().for_each(|(c, (found, _))| *found = focal(c).x);
     }
-    found
+    Ok(found)
 }
 
 /// Cameras in pixels, with the points about 1000 mm away.

@@ -109,6 +109,22 @@ pub(crate) fn face() -> Vec<Point3<f64>> {
 
 /// RMS distance between what two rigs make of the face's points, after a rigid motion, mm.
 pub(crate) fn marker_error(truth: &[Camera], found: &[Camera]) -> f64 {
+    let (from, to) = markers(truth, found);
+    let motion = camera::fit_rigid(&from, &to, None).unwrap();
+    let squares: f64 = from.iter().zip(&to).map(|(from, to)| (motion * from - to).norm_squared()).sum();
+    (squares / from.len() as f64).sqrt()
+}
+
+/// The same after a rigid motion and a scale.
+pub(crate) fn shape_error(truth: &[Camera], found: &[Camera]) -> f64 {
+    let (from, to) = markers(truth, found);
+    let motion = camera::fit_similarity(&from, &to, None).unwrap();
+    let squares: f64 = from.iter().zip(&to).map(|(from, to)| (motion * from - to).norm_squared()).sum();
+    (squares / from.len() as f64).sqrt()
+}
+
+/// The face's points as the second rig sees them, and as they are.
+fn markers(truth: &[Camera], found: &[Camera]) -> (Vec<Point3<f64>>, Vec<Point3<f64>>) {
     let (mut from, mut to) = (Vec::new(), Vec::new());
     for point in face() {
         let views: Vec<(usize, Vector2<f64>)> = truth
@@ -123,7 +139,5 @@ pub(crate) fn marker_error(truth: &[Camera], found: &[Camera]) -> f64 {
             to.push(point);
         }
     }
-    let motion = camera::fit_rigid(&from, &to, None).unwrap();
-    let squares: f64 = from.iter().zip(&to).map(|(from, to)| (motion * from - to).norm_squared()).sum();
-    (squares / from.len() as f64).sqrt()
+    (from, to)
 }
