@@ -1,4 +1,5 @@
 //! The doctor finds what is planted, in the camera in which it is, and nothing in a healthy rig.
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 mod rig;
 
@@ -159,8 +160,8 @@ fn missize(filmed: &mut Filmed, c: usize, rng: &mut ChaCha8Rng) {
     };
 }
 
+/// Plants something in each camera and seed: it is found there, named rightly, and no other camera is blamed.
 fn assert_caught(name: &str, kinds: &[Kind], plant: Plant, scene: fn(u64, f64) -> Filmed) {
-    let (mut caught, mut named, mut blamed, mut all) = (0, 0, Vec::new(), 0);
     for seed in SEEDS {
         for c in 0..CAMERAS {
             let noise_px = if c % 2 == 0 { 0.05 } else { 0.1 };
@@ -168,21 +169,11 @@ fn assert_caught(name: &str, kinds: &[Kind], plant: Plant, scene: fn(u64, f64) -
             let mut rng = ChaCha8Rng::seed_from_u64(100 * seed + c as u64);
             plant(&mut filmed, c, &mut rng);
             let findings = filmed.examined().findings;
-            let mine = || findings.iter().filter(|finding| finding.camera.as_deref() == Some(rig::IDS[c]));
-            all += 1;
-            caught += usize::from(mine().next().is_some());
-            named += usize::from(mine().any(|finding| kinds.contains(&finding.kind)));
-            let others = findings.iter().filter(|finding| finding.camera.as_deref() != Some(rig::IDS[c]));
-            blamed.extend(others.map(|finding| (seed, rig::IDS[c], noise_px, finding.clone())));
-            if !mine().any(|finding| kinds.contains(&finding.kind)) {
-                println!("{name} {seed} {} {noise_px}: {findings:?}", rig::IDS[c]);
-            }
+            let place = format!("{name}, seed {seed}, {}: {findings:?}", rig::IDS[c]);
+            assert!(findings.iter().all(|finding| finding.camera.as_deref() == Some(rig::IDS[c])), "{place}");
+            assert!(findings.iter().any(|finding| kinds.contains(&finding.kind)), "{place}");
         }
     }
-    println!("{name}: {caught} caught, {named} named of {all}; {} others blamed", blamed.len());
-    assert_eq!(caught, all, "{name} caught");
-    assert_eq!(named, all, "{name} named");
-    assert!(blamed.is_empty(), "{name}: {blamed:?}");
 }
 
 #[test]

@@ -120,7 +120,11 @@ impl Court<'_> {
         while self.trusted.iter().filter(|trusted| **trusted).count() > 3 {
             let kept: Vec<usize> = (0..count).filter(|&c| self.trusted[c]).collect();
             let middle = |a: usize| median(kept.iter().filter_map(|&b| gaps[a][b]).collect());
-            let all = median(kept.iter().flat_map(|&a| kept.iter().filter_map(|&b| gaps[a][b]).collect::<Vec<_>>()).collect());
+            let all = median(
+                kept.iter()
+                    .flat_map(|&a| kept.iter().filter_map(|&b| gaps[a][b]).collect::<Vec<_>>())
+                    .collect(),
+            );
             let worst = kept.iter().map(|&c| (middle(c), c)).max_by(|x, y| x.0.total_cmp(&y.0));
             match worst {
                 Some((gap, camera)) if gap > GROSS_PX && gap > GROSS_RATIO * all => {

@@ -1,5 +1,6 @@
 //! A rig like the studio's: six cameras around a face, two closer ones for wrinkles, and what they see of points.
 #![allow(dead_code, reason = "each test file uses a part of it")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 use camera::{BrownConrady, Camera, Lens};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
