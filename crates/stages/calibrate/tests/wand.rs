@@ -42,7 +42,7 @@ fn a_waved_point_tells_all_cameras() {
         let sightings = sightings(&truth, &path, 0.05, seed);
         let found = calibrate(&sightings, &Params { scale: lengths(&path), ..Params::default() }).unwrap();
         let error = rig::marker_error(&truth, &found.cameras);
-        assert!(error < 0.08, "seed {seed}: {error} mm");
+        assert!(error < 0.03, "seed {seed}: {error} mm");
     }
 }
 
@@ -82,7 +82,7 @@ fn lost_and_wrong_sightings_do_no_harm() {
         let found =
             calibrate(&sightings, &Params { scale: Scale::Distance(850.0), ..Params::default() }).unwrap();
         let error = rig::shape_error(&truth, &found.cameras);
-        assert!(error < 0.08, "seed {seed}: {error} mm");
+        assert!(error < 0.03, "seed {seed}: {error} mm");
         assert!(
             found
                 .rejected
@@ -107,7 +107,7 @@ fn wide_lenses_with_strong_distortion_are_found() {
         params.free.distortion = [true, true, true, true, false];
         let found = calibrate(&sightings(&truth, &path, 0.05, seed), &params).unwrap();
         let error = rig::shape_error(&truth, &found.cameras);
-        assert!(error < 0.2, "seed {seed}: {error} mm");
+        assert!(error < 0.04, "seed {seed}: {error} mm");
     }
 }
 

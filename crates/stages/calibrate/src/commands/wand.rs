@@ -44,11 +44,11 @@ pub(crate) struct Arguments {
     /// Camera ids to leave out
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
     without: Vec<String>,
-    /// Do not look for the principal points: they are in the middle of the images
+    /// Do not look for the principal points: they are in the middle of the images, or where --intrinsics says
     #[arg(long)]
     hold_center: bool,
-    /// Which distortion is looked for; a point tells little of p1 and p2 unless the lens is wide
-    #[arg(long, value_enum, default_value = "radial2")]
+    /// Which distortion is looked for, at most: terms that the point does not tell stay 0
+    #[arg(long, value_enum, default_value = "tangential")]
     lens: Lens,
     /// Seed of the random samples
     #[arg(long, value_name = "N", default_value_t = Params::default().seed)]

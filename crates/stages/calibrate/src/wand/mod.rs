@@ -8,7 +8,8 @@
 //!    a whole into projective cameras and points. Cameras need not see the point in all frames.
 //! 3. The focal lengths and the plane at infinity are searched for under the assumption of square pixels and a nearly central
 //!    principal point; the best candidates compete in a bundle adjustment.
-//! 4. Bundle adjustments with ever more of the lens set free, outliers taken out and let in again by their residuals.
+//! 4. Bundle adjustments with ever more of the lens set free, outliers taken out and let in again by their residuals; of the lens
+//!    models the one with the least information criterion is kept.
 //! 5. A known length, or several, gives the scale.
 
 mod blob;
@@ -67,7 +68,7 @@ pub struct Params {
     pub reject: f64,
     /// Shortest and longest focal length that is tried, as shares of half the image's diagonal.
     pub focal_range: [f64; 2],
-    /// What of the lenses is found; poses always are.
+    /// What of the lenses is found, at most; terms that the sightings do not tell stay at zero or in the middle.
     pub free: Free,
     /// Where the scale comes from.
     pub scale: Scale,
@@ -84,7 +85,7 @@ impl Default for Params {
                 pose: true,
                 focal: Focal::Tied,
                 center: true,
-                distortion: [true, true, false, false, false],
+                distortion: [true, true, true, true, false],
             },
             scale: Scale::Unknown,
         }

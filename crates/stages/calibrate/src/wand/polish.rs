@@ -52,12 +52,9 @@ pub(super) fn best(sightings: &Sightings, candidates: Vec<State>, params: &Param
             best = Some((mean, state));
         }
     }
-    let (_, mut state) = best.ok_or(Error::NoMetric)?;
-    for free in ladder(first, params.free) {
-        let adjusted = state.adjusted(sightings, free, loss, 100)?;
-        state.take(&adjusted);
-    }
-    settle(sightings, state, params)
+    let (_, state) = best.ok_or(Error::NoMetric)?;
+    let models = models(sightings, state, first, params, loss)?;
+    simplest(sightings, models, params)
 }
 
 /// How far off a sighting may be before the lens is known, px, in the smallest image.
@@ -69,24 +66,75 @@ fn coarse_px(sightings: &Sightings, params: &Params) -> f64 {
     0.5 * params.coarse * diagonals.fold(f64::INFINITY, f64::min)
 }
 
-/// What is set free, step by step: the strongest distortion first, the principal point last, since it can stand in for a turn.
-fn ladder(first: Free, last: Free) -> Vec<Free> {
-    let mut radial = first;
-    radial.distortion[0] = last.distortion[0];
-    let mut lens = radial;
-    lens.distortion[1] = last.distortion[1];
-    vec![radial, lens, last]
+/// A state with what is free in it.
+type Model = (Free, State);
+
+/// The lens models from the simplest to the fullest that is asked for, each started from a simpler one: more and more distortion
+/// with the principal points held, then the same with them free.
+fn models(
+    sightings: &Sightings,
+    start: State,
+    first: Free,
+    params: &Params,
+    loss: Loss,
+) -> Result<Vec<Model>, Error> {
+    let mut models: Vec<Model> = Vec::new();
+    let mut state = start;
+    for distortion in levels(params.free.distortion) {
+        let free = Free { distortion, ..first };
+        let adjusted = state.adjusted(sightings, free, loss, 100)?;
+        state.take(&adjusted);
+        models.push((free, state.clone()));
+    }
+    if params.free.center {
+        for (free, mut state) in models.clone() {
+            let free = Free { center: true, ..free };
+            let adjusted = state.adjusted(sightings, free, loss, 100)?;
+            state.take(&adjusted);
+            models.push((free, state));
+        }
+    }
+    Ok(models)
+}
+
+/// None of the terms, k₁, k₂ too, and all that are asked for.
+fn levels(asked: [bool; 5]) -> Vec<[bool; 5]> {
+    let [k1, k2, ..] = asked;
+    let mut levels = vec![[false; 5], [k1, false, false, false, false], [k1, k2, false, false, false], asked];
+    levels.dedup();
+    levels
+}
+
+/// The model with the least information criterion [Schwarz1978]: terms of the lens that the sightings hardly tell would run
+/// wild outside of what the point has covered, where the lens is used all the same.
+fn simplest(sightings: &Sightings, mut models: Vec<Model>, params: &Params) -> Result<State, Error> {
+    let Some((free, fullest)) = models.pop() else { return Err(Error::NoMetric) };
+    let settled = settle(sightings, fullest, free, params)?;
+    let kept = settled.kept.clone();
+    let mut best = (settled.criterion(sightings, free), free, settled);
+    for (free, mut state) in models {
+        state.kept.clone_from(&kept);
+        state.points = (0..kept[0].len()).map(|frame| state.nearest(sightings, frame)).collect();
+        let Ok(adjusted) = state.adjusted(sightings, free, Loss::Squares, 200) else { continue };
+        state.take(&adjusted);
+        let criterion = state.criterion(sightings, free);
+        if criterion < best.0 {
+            best = (criterion, free, state);
+        }
+    }
+    let (_, free, state) = best;
+    settle(sightings, state, free, params)
 }
 
 /// Takes out sightings that are far off for their camera, lets in those that are not, and adjusts again until none changes. The
 /// limits close in: at first a camera may be off because of what others saw wrongly.
-fn settle(sightings: &Sightings, mut state: State, params: &Params) -> Result<State, Error> {
+fn settle(sightings: &Sightings, mut state: State, free: Free, params: &Params) -> Result<State, Error> {
     for round in 0..ROUNDS {
         let before = state.kept.clone();
         let slack = 0.5_f64.powi(round as i32 - WIDE_ROUNDS).max(1.0);
         let typical = state.sort_out(sightings, params.reject * slack);
         let loss = if slack > 1.0 { Loss::Huber { scale_px: 2.0 * typical } } else { Loss::Squares };
-        let adjusted = state.adjusted(sightings, params.free, loss, 200)?;
+        let adjusted = state.adjusted(sightings, free, loss, 200)?;
         state.take(&adjusted);
         if slack <= 1.0 && state.kept == before {
             break;
@@ -113,6 +161,17 @@ impl State {
     pub(super) fn scale(&mut self, factor: f64) {
         self.cameras.iter_mut().for_each(|camera| camera.cam_from_world.translation.vector *= factor);
         self.points.iter_mut().flatten().for_each(|point| point.coords *= factor);
+    }
+
+    /// n ln(residual variance) + k ln n, over n coordinates and the lenses' k free parameters.
+    fn criterion(&self, sightings: &Sightings, free: Free) -> f64 {
+        let views = self.views(sightings);
+        let squares = views.iter().filter_map(|&(c, frame, pixel)| {
+            Some((self.cameras[c].project(&self.points[frame]?)? - pixel).norm_squared())
+        });
+        let count = 2.0 * views.len() as f64;
+        let terms = free.distortion.iter().filter(|term| **term).count() + if free.center { 2 } else { 0 };
+        count * (squares.sum::<f64>() / count).ln() + (terms * self.cameras.len()) as f64 * count.ln()
     }
 
     /// Takes out sightings of points that are not before their camera.
