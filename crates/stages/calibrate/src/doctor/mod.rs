@@ -8,6 +8,7 @@
 //! Lengths that are known (squares of a board, a wand's path) tell what all cameras have wrong together; sizes,
 //! focal lengths and the share of each image that was looked at need no points at all.
 
+mod clock;
 mod consensus;
 mod fault;
 mod finding;

@@ -12,6 +12,7 @@
 //!    models the one with the least information criterion is kept.
 //! 5. A known length, or several, gives the scale.
 
+mod agree;
 mod blob;
 mod error;
 mod metric;
