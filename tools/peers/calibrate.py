@@ -177,7 +177,7 @@ def caliscope(ctx):
         train = {n: frames[n] for n in numbers[parity::2]}
         test = {n: frames[n] for n in numbers[1 - parity :: 2]}
         corners = write_corners(ctx.tmp / "session.jsonl", board, cameras, train)
-        ctx.run([ctx.binary("calibrate"), "board", "--corners", corners, "--lens", "radial2", "--out", ctx.tmp / "ours.json"])
+        ctx.run([ctx.binary("calibrate"), "board", "--corners", corners, "--out", ctx.tmp / "ours.json"])
         ctx.run([ctx.binary("calibrate"), "refine", "--cameras", start, "--corners", corners, "--out", ctx.tmp / "refined.json"])
         rows["ours"].append(judge(read_rig(ctx.tmp / "ours.json"), test))
         rows["from_shipped"].append(judge(read_rig(ctx.tmp / "refined.json"), test))

@@ -120,7 +120,8 @@ impl Board {
         }
         ways.push((0..count).rev().collect());
         if columns == rows {
-            let quarter: Vec<u32> = (0..count).map(|id| (id % columns) * columns + columns - 1 - id / columns).collect();
+            let quarter: Vec<u32> =
+                (0..count).map(|id| (id % columns) * columns + columns - 1 - id / columns).collect();
             let back = quarter.iter().map(|id| count - 1 - id).collect();
             ways.extend([quarter, back]);
         }

@@ -63,7 +63,8 @@ impl Stream for BoardCorners {
     }
 
     fn encode(header: &CornersHeader, frame: &CornersFrame) -> Result<CornersLine, Violation> {
-        let listed = |corners: &BTreeMap<u32, Point2<f64>>| corners.iter().map(|(&id, at)| (id, at.x, at.y)).collect();
+        let listed =
+            |corners: &BTreeMap<u32, Point2<f64>>| corners.iter().map(|(&id, at)| (id, at.x, at.y)).collect();
         let corners = frame.seen.iter().map(|(camera, seen)| (camera.clone(), listed(seen))).collect();
         let line = CornersLine { frame: frame.frame, corners };
         check_line(header, &line)?;
@@ -72,7 +73,8 @@ impl Stream for BoardCorners {
 
     fn decode(header: &CornersHeader, line: CornersLine) -> Result<CornersFrame, Violation> {
         check_line(header, &line)?;
-        let seen = |list: Vec<(u32, f64, f64)>| list.into_iter().map(|(id, x, y)| (id, Point2::new(x, y))).collect();
+        let seen =
+            |list: Vec<(u32, f64, f64)>| list.into_iter().map(|(id, x, y)| (id, Point2::new(x, y))).collect();
         let seen = line.corners.into_iter().map(|(camera, list)| (camera, seen(list))).collect();
         Ok(CornersFrame { frame: line.frame, seen })
     }
@@ -94,7 +96,10 @@ fn check_line(header: &CornersHeader, line: &CornersLine) -> Result<(), Violatio
             let place = format!("{place}, corner {id}");
             finite(&place, &[x, y])?;
             if id >= columns * rows {
-                return Err(Violation::new(place, format!("the board has {columns} × {rows} corners, counted from 0")));
+                return Err(Violation::new(
+                    place,
+                    format!("the board has {columns} × {rows} corners, counted from 0"),
+                ));
             }
             if !ids.insert(id) {
                 return Err(Violation::new(place, "stands twice"));

@@ -4,13 +4,13 @@ use crate::Board;
 use crate::board::Dictionary;
 use nalgebra::Point2;
 use opencv::aruco;
+use opencv::boxed_ref::BoxedRef;
 use opencv::calib3d::{
     CALIB_CB_ADAPTIVE_THRESH, CALIB_CB_FAST_CHECK, CALIB_CB_NORMALIZE_IMAGE, find_chessboard_corners,
 };
-use opencv::boxed_ref::BoxedRef;
 use opencv::core::{Mat, Point2f, Ptr, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
-use opencv::imgproc::corner_sub_pix;
-use opencv::prelude::VectorToVec;
+use opencv::imgproc::{INTER_AREA, corner_sub_pix, resize};
+use opencv::prelude::{MatTraitConst, VectorToVec};
 use std::collections::BTreeMap;
 
 /// OpenCV could not do its work.
@@ -56,14 +56,24 @@ pub fn find_corners(picture: Picture, board: &Board) -> Result<Found, DetectErro
 
 type Image<'a> = BoxedRef<'a, Mat>;
 
+/// Larger pictures are searched at a fraction of their size: a search for squares can take minutes on a large one.
+const SEARCH_PX: i32 = 1000;
+
 fn chessboard(image: &Image, columns: u32, rows: u32) -> Result<Found, DetectError> {
     let size = Size::new(columns as i32, rows as i32);
     let mut corners = Vector::<Point2f>::new();
+    let side = image.cols().max(image.rows());
+    // Rounded up.
+    let shrink = (side + SEARCH_PX - 1) / SEARCH_PX;
+    let mut small = Mat::default();
+    resize(image, &mut small, Size::new(image.cols() / shrink, image.rows() / shrink), 0.0, 0.0, INTER_AREA)?;
     let by_squares = CALIB_CB_ADAPTIVE_THRESH | CALIB_CB_NORMALIZE_IMAGE | CALIB_CB_FAST_CHECK;
-    let found = find_chessboard_corners(image, size, &mut corners, by_squares)?;
-    if !found {
+    if !find_chessboard_corners(&small, size, &mut corners, by_squares)? {
         return Ok(Found::new());
     }
+    let scale = [image.cols() as f32 / small.cols() as f32, image.rows() as f32 / small.rows() as f32];
+    let grown = |at: Point2f| Point2f::new((at.x + 0.5) * scale[0] - 0.5, (at.y + 0.5) * scale[1] - 0.5);
+    corners = corners.iter().map(grown).collect();
     refine(image, &mut corners, columns as usize)?;
     Ok((0..).zip(&corners).map(|(id, at)| (id, point(at))).collect())
 }
@@ -84,7 +94,15 @@ fn charuco(
     let (mut corners, mut numbers) = (Vector::<Point2f>::new(), Vector::<i32>::new());
     let fewest = 2;
     aruco::interpolate_corners_charuco(
-        &outlines, &ids, image, board, &mut corners, &mut numbers, &no_array(), &no_array(), fewest,
+        &outlines,
+        &ids,
+        image,
+        board,
+        &mut corners,
+        &mut numbers,
+        &no_array(),
+        &no_array(),
+        fewest,
     )?;
     Ok(numbers.iter().zip(&corners).map(|(id, at)| (id as u32, point(at))).collect())
 }

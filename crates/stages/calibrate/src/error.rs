@@ -14,7 +14,9 @@ pub enum Error {
         what: String,
     },
     /// Nothing was seen.
-    #[error("no camera saw the board\n  to do: check that the board described is the one in the pictures (corners are counted inside)")]
+    #[error(
+        "no camera saw the board\n  to do: check that the board described is the one in the pictures (corners are counted inside)"
+    )]
     NothingSeen,
     /// A camera saw the board too rarely.
     #[error(

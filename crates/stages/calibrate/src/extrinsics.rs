@@ -61,8 +61,14 @@ impl Plate {
     }
 
     /// The numbering that makes `expected` (in the first numbering) most like `pose`, and the difference left.
-    fn best_numbering(&self, camera: &Alone, pose: &Isometry3<f64>, expected: &Isometry3<f64>) -> (usize, f64) {
-        let differences = self.motions.iter().map(|motion| self.difference(camera, pose, &(expected * motion)));
+    fn best_numbering(
+        &self,
+        camera: &Alone,
+        pose: &Isometry3<f64>,
+        expected: &Isometry3<f64>,
+    ) -> (usize, f64) {
+        let differences =
+            self.motions.iter().map(|motion| self.difference(camera, pose, &(expected * motion)));
         let mut best = (0, f64::INFINITY);
         differences.enumerate().filter(|(_, d)| d.is_finite()).for_each(|(way, d)| {
             if d < best.1 {
@@ -104,7 +110,8 @@ pub(crate) fn place_boards(board: &Board, cameras: &[Alone], cam_from_root: Vec<
 
 fn link(plate: &Plate, cameras: &[Alone], pair: [usize; 2]) -> Option<Link> {
     let [a, b] = pair.map(|camera| &cameras[camera]);
-    let at: BTreeMap<usize, &Isometry3<f64>> = a.views.iter().map(|(view, pose)| (view.frame, pose)).collect();
+    let at: BTreeMap<usize, &Isometry3<f64>> =
+        a.views.iter().map(|(view, pose)| (view.frame, pose)).collect();
     let shared: Vec<[&Isometry3<f64>; 2]> =
         b.views.iter().filter_map(|(view, pose)| Some([*at.get(&view.frame)?, pose])).collect();
     let stride = shared.len().div_ceil(MOST_GUESSES).max(1);
@@ -114,7 +121,11 @@ fn link(plate: &Plate, cameras: &[Alone], pair: [usize; 2]) -> Option<Link> {
     let differences = |guess: &Isometry3<f64>| -> Vec<f64> {
         let difference = |[a_from_board, b_from_board]: &[&Isometry3<f64>; 2]| {
             let expected = guess * **b_from_board;
-            plate.motions.iter().map(|motion| plate.difference(a, a_from_board, &(expected * motion.inverse()))).fold(1.0, f64::min)
+            plate
+                .motions
+                .iter()
+                .map(|motion| plate.difference(a, a_from_board, &(expected * motion.inverse())))
+                .fold(1.0, f64::min)
         };
         shared.iter().map(difference).collect()
     };
@@ -159,7 +170,11 @@ fn spread(count: usize, links: &[Link]) -> Result<Vec<Isometry3<f64>>, Vec<Vec<u
 fn place(plate: &Plate, cameras: &[Alone], cam_from_root: Vec<Isometry3<f64>>) -> Joined {
     let mut views: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
     for (c, camera) in cameras.iter().enumerate() {
-        camera.views.iter().enumerate().for_each(|(v, (view, _))| views.entry(view.frame).or_default().push((c, v)));
+        camera
+            .views
+            .iter()
+            .enumerate()
+            .for_each(|(v, (view, _))| views.entry(view.frame).or_default().push((c, v)));
     }
     let mut numbering: Vec<Vec<usize>> = cameras.iter().map(|camera| vec![0; camera.views.len()]).collect();
     let mut boards = BTreeMap::new();
@@ -167,14 +182,23 @@ fn place(plate: &Plate, cameras: &[Alone], cam_from_root: Vec<Isometry3<f64>>) -
         let pose_of = |&(c, v): &(usize, usize)| cam_from_root[c].inverse() * cameras[c].views[v].1;
         let fits = |root_from_board: &Isometry3<f64>| -> Vec<(usize, f64)> {
             let fit = |&(c, v): &(usize, usize)| {
-                plate.best_numbering(&cameras[c], &cameras[c].views[v].1, &(cam_from_root[c] * root_from_board))
+                plate.best_numbering(
+                    &cameras[c],
+                    &cameras[c].views[v].1,
+                    &(cam_from_root[c] * root_from_board),
+                )
             };
             seen.iter().map(fit).collect()
         };
         let total = |fits: &[(usize, f64)]| fits.iter().map(|(_, difference)| difference).sum::<f64>();
         let candidates = seen.iter().map(pose_of).map(|pose| (fits(&pose), pose));
         let best = candidates.min_by(|(a, _), (b, _)| total(a).total_cmp(&total(b)));
-        if let Some((fits, pose)) = best {
+        if let Some((fits_there, pose)) = best {
+            // What most views say is the board's own numbering.
+            let count = |way: usize| fits_there.iter().filter(|(other, _)| *other == way).count();
+            let common = (0..plate.motions.len()).rev().max_by_key(|&way| count(way)).unwrap_or(0);
+            let pose = pose * plate.motions[common];
+            let fits = fits(&pose);
             boards.insert(frame, pose);
             seen.iter().zip(fits).for_each(|(&(c, v), (way, _))| numbering[c][v] = way);
         }

@@ -48,8 +48,10 @@ pub(crate) fn calibrate_alone(
     let guess = focal_px(&sound, center).filter(|focal| (0.2 * width..20.0 * width).contains(focal));
     let starts = guess.into_iter().chain(FOCAL_WIDTHS.iter().map(|widths| widths * width));
     let start = |focal: f64| {
-        let lens = Lens { focal_px: Vector2::repeat(focal), center_px: center, distortion: BrownConrady::default() };
-        Solo::start(image_size, lens, board, views, &homographies)?.adjusted(Free { focal: Focal::Tied, ..Free::NOTHING })
+        let lens =
+            Lens { focal_px: Vector2::repeat(focal), center_px: center, distortion: BrownConrady::default() };
+        Solo::start(image_size, lens, board, views, &homographies)?
+            .adjusted(Free { focal: Focal::Tied, ..Free::NOTHING })
     };
     let solos: Vec<(Solo, f64)> = starts.filter_map(start).collect();
     let best = solos.into_iter().min_by(|(_, a), (_, b)| a.total_cmp(b))?.0;
@@ -62,7 +64,11 @@ pub(crate) fn posed(camera: &Camera, board: &[Point3<f64>], views: Vec<View>) ->
         let straight = |at: &Point2<f64>| Some(camera.lens.unproject(at.coords)?.xy().into());
         let image: Vec<Point2<f64>> = view.corners.values().filter_map(straight).collect();
         let plane: Vec<Point2<f64>> = view.corners.keys().map(|&id| board[id as usize].xy()).collect();
-        let start = (image.len() == plane.len()).then(|| homography(&plane, &image)).flatten().as_ref().and_then(pose)?;
+        let start = (image.len() == plane.len())
+            .then(|| homography(&plane, &image))
+            .flatten()
+            .as_ref()
+            .and_then(pose)?;
         let middle = view.middle(board);
         let fits = [start, reversed(&start, &middle)].map(|start| fitted_pose(camera, board, &view, start));
         let best = fits.into_iter().flatten().min_by(|(_, a), (_, b)| a.total_cmp(b))?;
@@ -101,7 +107,8 @@ impl Solo {
         let mut kept = Vec::new();
         for (view, homography) in views.iter().zip(homographies) {
             let found = homography.and_then(|h| pose(&(to_normalised * h)));
-            let is_in_front = |pose: &Isometry3<f64>| view.corners.keys().all(|&id| (pose * board[id as usize]).z > 0.0);
+            let is_in_front =
+                |pose: &Isometry3<f64>| view.corners.keys().all(|&id| (pose * board[id as usize]).z > 0.0);
             let Some(world_from_body) = found.filter(is_in_front) else { continue };
             let element = scene.structure.len();
             scene.structure.push(Element::Body { world_from_body });
@@ -124,7 +131,8 @@ impl Solo {
     /// Everything free that shall be, with poses that lean the right way.
     fn refined(self, params: &Params) -> Option<Alone> {
         let full = params.free().without_pose();
-        let few = Free { center: false, distortion: [full.distortion[0], false, false, false, false], ..full };
+        let few =
+            Free { center: false, distortion: [full.distortion[0], false, false, false, false], ..full };
         let (solo, _) = self.adjusted(few)?;
         let (solo, _) = solo.adjusted(full)?;
         let mut solo = solo;
@@ -173,7 +181,12 @@ impl View {
 
 /// The observations of a view by the scene's first camera.
 fn observations(view: &View, element: usize) -> impl Iterator<Item = Observation> {
-    view.corners.iter().map(move |(&id, at)| Observation { camera: 0, element, point: id as usize, pixel: at.coords })
+    view.corners.iter().map(move |(&id, at)| Observation {
+        camera: 0,
+        element,
+        point: id as usize,
+        pixel: at.coords,
+    })
 }
 
 /// The pose of the board in camera space that fits a view best near a start, and its cost.

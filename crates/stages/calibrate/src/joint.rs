@@ -1,9 +1,9 @@
 //! All cameras and all boards together.
 
 use crate::bundle::{self, Adjusted, Element, Free, Loss, Observation, Scene, adjust};
+use crate::error::FEWEST_VIEWS;
 use crate::extrinsics::{Joined, join};
 use crate::intrinsics::{Alone, View, calibrate_alone};
-use crate::error::FEWEST_VIEWS;
 use crate::report::{self, Report};
 use crate::{Corners, Error, Params, Robust};
 use artifact::{CameraRig, RigCamera};
@@ -123,7 +123,9 @@ impl Assembly {
         let placed = cameras.iter().zip(&joined.cam_from_root).map(camera).collect();
         let mut scene = Scene::new(placed, vec![Free::POSE; cameras.len()]);
         scene.body = corners.header.board.corners();
-        scene.structure.extend(joined.root_from_board.values().map(|&world_from_body| Element::Body { world_from_body }));
+        scene.structure.extend(
+            joined.root_from_board.values().map(|&world_from_body| Element::Body { world_from_body }),
+        );
         let frames: Vec<usize> = joined.root_from_board.keys().copied().collect();
         let ways = corners.header.board.numberings();
         let mut renumbered = 0;
@@ -147,12 +149,21 @@ impl Assembly {
         let mut rough = self.scene.clone();
         rough.drop_behind();
         rough.free = vec![Free::POSE; rough.cameras.len()];
-        let adjusted = adjust(&rough, &bundle::Params { loss: Loss::Huber { scale_px: COARSE_PX }, ..Default::default() })?;
+        let adjusted = adjust(
+            &rough,
+            &bundle::Params { loss: Loss::Huber { scale_px: COARSE_PX }, ..Default::default() },
+        )?;
         settle(&mut self.scene, &adjusted);
         Ok(())
     }
 
-    fn calibration(&self, corners: &Corners, params: &Params, adjusted: Adjusted, loss: Loss) -> Result<Calibration, Error> {
+    fn calibration(
+        &self,
+        corners: &Corners,
+        params: &Params,
+        adjusted: Adjusted,
+        loss: Loss,
+    ) -> Result<Calibration, Error> {
         let ids: Vec<&String> = corners.header.cameras.keys().collect();
         let number = |element: usize| corners.frames[self.frames[element]].frame;
         let poses = || {
@@ -164,7 +175,8 @@ impl Assembly {
         let world_from_root = match (&params.world_camera, params.world_frame) {
             (Some(id), _) => {
                 let at = ids.iter().position(|other| *other == id);
-                at.map(|c| adjusted.cameras[c].cam_from_world).ok_or_else(|| Error::UnknownCamera(id.clone()))?
+                at.map(|c| adjusted.cameras[c].cam_from_world)
+                    .ok_or_else(|| Error::UnknownCamera(id.clone()))?
             }
             (None, Some(frame)) => {
                 poses().find(|(other, _)| *other == frame).ok_or(Error::UnknownFrame(frame))?.1.inverse()
@@ -179,23 +191,34 @@ impl Assembly {
             error: *error,
             weight: loss.weight(error.norm_squared()),
         };
-        let residuals: Vec<Residual> = self.scene.observations.iter().zip(&adjusted.residuals).map(residual).collect();
+        let residuals: Vec<Residual> =
+            self.scene.observations.iter().zip(&adjusted.residuals).map(residual).collect();
         let world_from_board = poses().map(|(frame, pose)| (frame, world_from_root * pose)).collect();
         let camera = |c: usize| {
             let mut camera = adjusted.cameras[c].clone();
             camera.cam_from_world *= world_from_root.inverse();
             let deviation = adjusted.deviations.as_ref().map(|deviations| deviations[c]);
-            let found = RigCamera { camera, rms_px: adjusted.camera_rms_px[c], views: Some(self.views[c]), deviation };
+            let found = RigCamera {
+                camera,
+                rms_px: adjusted.camera_rms_px[c],
+                views: Some(self.views[c]),
+                deviation,
+            };
             (ids[c].clone(), found)
         };
-        let rig = CameraRig { cameras: (0..ids.len()).map(camera).collect(), take: corners.header.take.clone() };
+        let rig =
+            CameraRig { cameras: (0..ids.len()).map(camera).collect(), take: corners.header.take.clone() };
         let report = report::report(&rig, &residuals, &adjusted, loss, self.renumbered);
         Ok(Calibration { rig, world_from_board, residuals, report })
     }
 }
 
 /// The adjusted scene, and the loss that was used in the end: its scale comes from the residuals, unless it is stated.
-pub(crate) fn in_rounds(mut scene: Scene, robust: Robust, scale_px: Option<f64>) -> Result<(Adjusted, Loss), Error> {
+pub(crate) fn in_rounds(
+    mut scene: Scene,
+    robust: Robust,
+    scale_px: Option<f64>,
+) -> Result<(Adjusted, Loss), Error> {
     let with = |scene: &Scene, loss| adjust(scene, &bundle::Params { loss, ..Default::default() });
     let stated = match (robust, scale_px) {
         (Robust::Squares, _) => Some(Loss::Squares),

@@ -49,7 +49,8 @@ pub fn draw(rig: &CameraRig, residuals: &[Residual]) -> Result<Sheet, FontError>
     let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).map_err(|_| FontError)?;
     let columns = rig.cameras.len().clamp(1, 4);
     let rows = rig.cameras.len().div_ceil(columns).max(1);
-    let tallest = rig.cameras.values().map(|camera| panel_height(camera.camera.image_size)).max().unwrap_or(0);
+    let tallest =
+        rig.cameras.values().map(|camera| panel_height(camera.camera.image_size)).max().unwrap_or(0);
     let cell = [PANEL_PX + MARGIN_PX, tallest + CAPTION_PX + MARGIN_PX];
     let size = [columns * cell[0] + MARGIN_PX, rows * cell[1] + MARGIN_PX + CAPTION_PX];
     let mut sheet = Sheet { width: size[0], height: size[1], rgb: PAPER.repeat(size[0] * size[1]) };
@@ -62,7 +63,9 @@ pub fn draw(rig: &CameraRig, residuals: &[Residual]) -> Result<Sheet, FontError>
         let rms_px = camera.rms_px.map_or("nothing seen".to_string(), |rms| format!("rms {rms:.3} px"));
         sheet.text(&font, &format!("{id}: {rms_px}, {} corners", own.len()), [at[0] as f32, at[1] as f32]);
     }
-    let legend = format!("an arrow of {ARROW_PX} px is {rms:.3} px long in the image; red: outliers; tinted: no corner was here");
+    let legend = format!(
+        "an arrow of {ARROW_PX} px is {rms:.3} px long in the image; red: outliers; tinted: no corner was here"
+    );
     sheet.text(&font, &legend, [MARGIN_PX as f32, (size[1] - CAPTION_PX) as f32]);
     Ok(sheet)
 }

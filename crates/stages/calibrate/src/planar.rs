@@ -1,6 +1,8 @@
 //! What a picture of a plane tells: homography, focal length, pose [Zhang2000].
 
-use nalgebra::{DMatrix, Isometry3, Matrix2, Matrix3, Point2, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{
+    DMatrix, Isometry3, Matrix2, Matrix3, Point2, Point3, Rotation3, UnitQuaternion, Vector2, Vector3,
+};
 
 /// The homography that carries points of a plane to their images, by the direct linear transformation on centred and scaled
 /// points [HartleyZisserman2004, Alg. 4.2]; none from fewer than four points or points in a line.
@@ -34,7 +36,8 @@ pub(crate) fn homography(plane: &[Point2<f64>], image: &[Point2<f64>]) -> Option
 fn normaliser(points: &[Point2<f64>]) -> Option<Matrix3<f64>> {
     let count = points.len() as f64;
     let middle = points.iter().map(|point| point.coords).sum::<Vector2<f64>>() / count;
-    let spread: Matrix2<f64> = points.iter().map(|p| (p.coords - middle) * (p.coords - middle).transpose()).sum();
+    let spread: Matrix2<f64> =
+        points.iter().map(|p| (p.coords - middle) * (p.coords - middle).transpose()).sum();
     let widths = spread.symmetric_eigenvalues();
     if widths.min() <= 1e-9 * widths.max() {
         return None;

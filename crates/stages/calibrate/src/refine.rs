@@ -42,13 +42,17 @@ impl Default for RefineParams {
 
 impl RefineParams {
     fn check(&self, rig: &CameraRig) -> Result<(), Error> {
-        let common =
-            crate::Params { scale_px: self.scale_px, min_corners: self.min_corners, ..crate::Params::default() };
+        let common = crate::Params {
+            scale_px: self.scale_px,
+            min_corners: self.min_corners,
+            ..crate::Params::default()
+        };
         common.check()?;
         match self.hold.iter().find(|id| !rig.cameras.contains_key(*id)) {
-            Some(id) => {
-                Err(Error::Parameter { name: "hold", what: format!("{id} is not among the cameras to refine") })
-            }
+            Some(id) => Err(Error::Parameter {
+                name: "hold",
+                what: format!("{id} is not among the cameras to refine"),
+            }),
             None => Ok(()),
         }
     }
@@ -73,7 +77,11 @@ pub struct Refined {
 ///
 /// # Errors
 /// If a camera of the corners is unknown or has another image size, or nothing can be used.
-pub fn refine_with_corners(rig: &CameraRig, corners: &Corners, params: &RefineParams) -> Result<Refined, Error> {
+pub fn refine_with_corners(
+    rig: &CameraRig,
+    corners: &Corners,
+    params: &RefineParams,
+) -> Result<Refined, Error> {
     params.check(rig)?;
     let mut cameras = Vec::new();
     for (id, size) in &corners.header.cameras {
@@ -116,7 +124,8 @@ pub fn refine_with_tracks(
 ) -> Result<Refined, Error> {
     params.check(rig)?;
     let unknown = |id: &String| Error::UnknownCamera(id.clone());
-    let camera = |id: &String| rig.cameras.get(id).map(|known| known.camera.clone()).ok_or_else(|| unknown(id));
+    let camera =
+        |id: &String| rig.cameras.get(id).map(|known| known.camera.clone()).ok_or_else(|| unknown(id));
     let cameras = header.cameras.iter().map(camera).collect::<Result<Vec<Camera>, Error>>()?;
     let free = header.cameras.iter().map(|id| params.free_of(id)).collect();
     let mut scene = Scene::new(cameras, free);
@@ -158,7 +167,10 @@ fn known(rig: &CameraRig, id: &str, size: [u32; 2]) -> Result<Camera, Error> {
     let camera = rig.cameras.get(id).ok_or_else(|| Error::UnknownCamera(id.to_string()))?;
     let [width, height] = camera.camera.image_size;
     if camera.camera.image_size != size {
-        let what = format!("its pictures have {} × {} px, its calibration says {width} × {height}", size[0], size[1]);
+        let what = format!(
+            "its pictures have {} × {} px, its calibration says {width} × {height}",
+            size[0], size[1]
+        );
         return Err(Error::Mismatch { camera: id.to_string(), what });
     }
     Ok(camera.camera.clone())
@@ -237,4 +249,3 @@ fn carried(cam_from_old: &Isometry3<f64>, new_from_old: &Similarity3<f64>) -> Is
     let eye = new_from_old * cam_from_old.inverse_transform_point(&Point3::origin());
     Isometry3::from_parts((-(rotation * eye.coords)).into(), rotation)
 }
-

@@ -51,7 +51,13 @@ pub struct CameraReport {
     pub coverage: f64,
 }
 
-pub(crate) fn report(rig: &CameraRig, residuals: &[Residual], adjusted: &Adjusted, loss: Loss, renumbered_views: usize) -> Report {
+pub(crate) fn report(
+    rig: &CameraRig,
+    residuals: &[Residual],
+    adjusted: &Adjusted,
+    loss: Loss,
+    renumbered_views: usize,
+) -> Report {
     let camera = |id: &String| {
         let own: Vec<&Residual> = residuals.iter().filter(|residual| residual.camera == *id).collect();
         (id.clone(), camera_report(rig.cameras[id].camera.image_size, &own))
@@ -86,7 +92,8 @@ fn camera_report(image_size: [u32; 2], own: &[&Residual]) -> CameraReport {
 
 /// The cell of the image that a corner lies in; none outside.
 pub(crate) fn cell(image_size: [u32; 2], residual: &Residual) -> Option<[usize; 2]> {
-    let at = [0, 1].map(|axis| (residual.pixel[axis] + 0.5) / f64::from(image_size[axis]) * CELLS[axis] as f64);
+    let at =
+        [0, 1].map(|axis| (residual.pixel[axis] + 0.5) / f64::from(image_size[axis]) * CELLS[axis] as f64);
     let is_inside = (0..2).all(|axis| (0.0..CELLS[axis] as f64).contains(&at[axis]));
     is_inside.then(|| at.map(|x| x as usize))
 }

@@ -3,7 +3,9 @@
 use super::free::{CENTER, DISTORTION, FOCAL, PARAMETERS, SHIFT, TURN};
 use super::{Element, Observation, Scene};
 use camera::{Camera, Lens};
-use nalgebra::{Isometry3, Matrix2x3, Matrix3, Point3, SMatrix, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{
+    Isometry3, Matrix2x3, Matrix3, Point3, SMatrix, Translation3, UnitQuaternion, Vector2, Vector3,
+};
 
 /// Parameters of an element: turn and shift of a body in its own axes, or a point's place and three that are not used.
 pub(super) const ELEMENT: usize = 6;
@@ -104,8 +106,8 @@ fn by_lens(lens: &Lens, cam: Vector3<f64>) -> ByCamera {
 /// A camera after a step in its parameters: the turn and the shift act in its own axes, x_cam ← exp(ω) x_cam + τ.
 pub(super) fn moved_camera(camera: &Camera, step: &SMatrix<f64, PARAMETERS, 1>) -> Camera {
     let mut moved = camera.clone();
-    moved.cam_from_world = motion(step.fixed_rows::<3>(TURN).into(), step.fixed_rows::<3>(SHIFT).into())
-        * camera.cam_from_world;
+    moved.cam_from_world =
+        motion(step.fixed_rows::<3>(TURN).into(), step.fixed_rows::<3>(SHIFT).into()) * camera.cam_from_world;
     moved.cam_from_world.rotation.renormalize();
     let lens = &mut moved.lens;
     lens.focal_px += step.fixed_rows::<2>(FOCAL);

@@ -94,7 +94,8 @@ impl Scene {
     /// have some.
     pub fn drop_behind(&mut self) -> usize {
         let before = self.observations.len();
-        let in_front: Vec<bool> = self.observations.iter().map(|seen| self.residual(seen).is_some()).collect();
+        let in_front: Vec<bool> =
+            self.observations.iter().map(|seen| self.residual(seen).is_some()).collect();
         let mut keep = in_front.iter();
         self.observations.retain(|_| keep.next() == Some(&true));
         before - self.observations.len()
@@ -186,9 +187,19 @@ impl Walk {
         order.iter_mut().for_each(|seen| seen.sort_by_key(|&o| scene.observations[o].camera));
         let gauge = Gauge::of(scene, params.structure_moves);
         let behind = || error::behind(scene);
-        let normal = Normal::of(scene, &order, &gauge, params.loss, params.structure_moves).ok_or_else(behind)?;
+        let normal =
+            Normal::of(scene, &order, &gauge, params.loss, params.structure_moves).ok_or_else(behind)?;
         let cost = cost(scene, params.loss).ok_or_else(behind)?;
-        Ok(Self { scene: scene.clone(), params: *params, gauge, order, normal, cost, steps: 0, converged: false })
+        Ok(Self {
+            scene: scene.clone(),
+            params: *params,
+            gauge,
+            order,
+            normal,
+            cost,
+            steps: 0,
+            converged: false,
+        })
     }
 
     fn run(&mut self) {
@@ -260,7 +271,8 @@ impl Walk {
             let squared = residual.norm_squared();
             self.params.loss.weight(squared) * squared
         };
-        let spare = (2 * residuals.len()).checked_sub(self.normal.parameter_count()).filter(|spare| *spare > 0)?;
+        let spare =
+            (2 * residuals.len()).checked_sub(self.normal.parameter_count()).filter(|spare| *spare > 0)?;
         let variance = residuals.iter().map(squares).sum::<f64>() / spare as f64;
         let of = |c| deviation(&(self.normal.camera_covariance(&covariance, c) * variance));
         Some((0..self.scene.cameras.len()).map(of).collect())

@@ -40,7 +40,13 @@ pub(super) struct Step {
 
 impl Normal {
     /// The equations at the scene as it stands; none where a point is not in front of a camera that sees it.
-    pub(super) fn of(scene: &Scene, order: &[Vec<usize>], gauge: &Gauge, loss: Loss, structure_moves: bool) -> Option<Self> {
+    pub(super) fn of(
+        scene: &Scene,
+        order: &[Vec<usize>],
+        gauge: &Gauge,
+        loss: Loss,
+        structure_moves: bool,
+    ) -> Option<Self> {
         let frames: Vec<Frame> = (0..scene.cameras.len()).map(|c| gauge.frame(scene, c)).collect();
         let mut starts = Vec::with_capacity(frames.len());
         let mut size = 0;
@@ -99,7 +105,8 @@ impl Normal {
         };
         let local = |c: usize| {
             let mut step = CameraVector::zeros();
-            step.rows_mut(0, self.frames[c].count).copy_from(&free.rows(self.starts[c], self.frames[c].count));
+            step.rows_mut(0, self.frames[c].count)
+                .copy_from(&free.rows(self.starts[c], self.frames[c].count));
             step
         };
         let locals: Vec<CameraVector> = (0..self.frames.len()).map(local).collect();
@@ -191,7 +198,8 @@ impl ElementEquations {
         if self.count == 0 || self.mixed.is_empty() {
             return Some(ElementVector::zeros());
         }
-        let coupled = |sum: ElementVector, (c, mixed): &(usize, MixedBlock)| sum - mixed.transpose() * cameras[*c];
+        let coupled =
+            |sum: ElementVector, (c, mixed): &(usize, MixedBlock)| sum - mixed.transpose() * cameras[*c];
         Some(self.inverse(damping)? * self.mixed.iter().fold(self.right, coupled))
     }
 }

@@ -2,7 +2,9 @@
 
 use anyhow::{Context, bail};
 use artifact::{FrameWriter, Take};
-use calibrate::{Board, BoardCorners, Corners, CornersFrame, CornersHeader, Dictionary, Picture, find_corners};
+use calibrate::{
+    Board, BoardCorners, Corners, CornersFrame, CornersHeader, Dictionary, Picture, find_corners,
+};
 use nalgebra::Point2;
 use rayon::prelude::*;
 use stage::Run;
@@ -124,7 +126,8 @@ impl Pictures {
             }
             (None, Some([columns, rows])) => {
                 let marker_mm = self.marker_mm.unwrap_or_default();
-                let board = Board::Charuco { columns, rows, square_mm, marker_mm, dictionary: self.dictionary };
+                let board =
+                    Board::Charuco { columns, rows, square_mm, marker_mm, dictionary: self.dictionary };
                 checked(board, "--charuco")
             }
             (None, None) => {
@@ -160,7 +163,11 @@ impl Pictures {
             if numbers.is_empty() {
                 bail!("{}: camera {camera} has no such pictures\n  to do: check --name", pattern.display());
             }
-            let shot = |frame| Shot { camera: camera.clone(), frame, path: folder.join(artifact::image_path(&name, frame)) };
+            let shot = |frame| Shot {
+                camera: camera.clone(),
+                frame,
+                path: folder.join(artifact::image_path(&name, frame)),
+            };
             shots.extend(numbers.into_iter().map(shot));
         }
         match shots.is_empty() {
@@ -179,7 +186,8 @@ fn look(path: &Path, board: &Board) -> anyhow::Result<Found> {
     };
     let gray: Vec<u8> = picture.to_8_bits().chunks_exact(3).map(luma).collect();
     let size = [picture.width as u32, picture.height as u32];
-    let corners = find_corners(Picture { size, gray: &gray }, board).with_context(|| path.display().to_string())?;
+    let corners =
+        find_corners(Picture { size, gray: &gray }, board).with_context(|| path.display().to_string())?;
     Ok(Found { size, corners })
 }
 
@@ -188,7 +196,9 @@ fn sizes(shots: &[Shot], found: &[Found], take: Option<&Take>) -> anyhow::Result
     let mut sizes: BTreeMap<String, [u32; 2]> = BTreeMap::new();
     for (shot, Found { size, .. }) in shots.iter().zip(found) {
         let known = *sizes.entry(shot.camera.clone()).or_insert(*size);
-        let stated = take.and_then(|take| take.cameras.iter().find(|camera| camera.id == shot.camera)).map(|camera| camera.image_size);
+        let stated = take
+            .and_then(|take| take.cameras.iter().find(|camera| camera.id == shot.camera))
+            .map(|camera| camera.image_size);
         for (by, [width, height]) in [("the pictures before it", Some(known)), ("the take", stated)]
             .into_iter()
             .filter_map(|(by, size)| Some((by, size?)))
@@ -196,7 +206,9 @@ fn sizes(shots: &[Shot], found: &[Found], take: Option<&Take>) -> anyhow::Result
             if [width, height] != *size {
                 bail!(
                     "{}: has {} × {} px, {by} {width} × {height}\n  to do: calibrate a camera with pictures of the size that it films with",
-                    shot.path.display(), size[0], size[1]
+                    shot.path.display(),
+                    size[0],
+                    size[1]
                 );
             }
         }
@@ -221,7 +233,8 @@ fn tell(run: &mut Run, header: &CornersHeader, shots: &[Shot], found: &[Found]) 
 
 /// A board from the command line: from a file, or in words such as `8x6`.
 fn grid(text: &str) -> Result<[u32; 2], String> {
-    let parsed = text.split_once('x').and_then(|(columns, rows)| Some([columns.parse().ok()?, rows.parse().ok()?]));
+    let parsed =
+        text.split_once('x').and_then(|(columns, rows)| Some([columns.parse().ok()?, rows.parse().ok()?]));
     parsed.ok_or_else(|| format!("'{text}' is not COLUMNSxROWS, e.g. 8x6"))
 }
 
@@ -236,8 +249,8 @@ fn checked(board: Board, from: &str) -> anyhow::Result<Board> {
 /// Reads `board.json`.
 fn read_board(run: &mut Run, path: &Path) -> anyhow::Result<Board> {
     let text = artifact::read_text(path)?;
-    let file: calibrate::BoardFile = serde_json::from_str(&text)
-        .with_context(|| format!("{}: describes no board", path.display()))?;
+    let file: calibrate::BoardFile =
+        serde_json::from_str(&text).with_context(|| format!("{}: describes no board", path.display()))?;
     run.input("board", path)?;
     checked(file.board, &path.display().to_string())
 }
