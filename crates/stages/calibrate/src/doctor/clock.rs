@@ -35,7 +35,9 @@ const LEAST_SHARE: f64 = 0.5;
 const FAST: f64 = 0.3;
 const LEAST_FAST: usize = 20;
 /// Motion below this tells nothing about time, px a frame.
-const LEAST_SPEED_PX: f64 = 0.3;
+const LEAST_SPEED_PX: f64 = 0.1;
+/// A clock that moves the fastest sightings by less is not blamed, px: lenses are not known better.
+const LEAST_SHIFT_PX: f64 = 0.1;
 /// A clock that is off by less is not blamed, frames.
 const LEAST_LATE: f64 = 0.3;
 /// By how much of the noise's variance the sum of squares must fall: a chi-square that chance does not reach.
@@ -54,7 +56,8 @@ pub(super) fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajector
     let mut fast: Vec<(f64, &Datum)> = data.iter().filter_map(|datum| Some((speed(datum)?, datum))).collect();
     fast.sort_by(|a, b| b.0.total_cmp(&a.0));
     fast.truncate(((FAST * fast.len() as f64) as usize).max(LEAST_FAST));
-    if fast.len() < LEAST_FAST || fast[fast.len() / 2].0 < LEAST_SPEED_PX {
+    let typical = fast.get(fast.len() / 2)?.0;
+    if fast.len() < LEAST_FAST || typical < LEAST_SPEED_PX {
         return None;
     }
     let fast: Vec<&Datum> = fast.into_iter().map(|(_, datum)| datum).collect();
@@ -75,7 +78,7 @@ pub(super) fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajector
     let gain = fast.len() as f64 * ((error(0.0) / least).powi(2) - 1.0);
     let all: Vec<&Datum> = data.iter().collect();
     let rms_px = shifted_rms(camera, &all, trajectories, frames, false);
-    let is_sure = frames.abs() > LEAST_LATE && gain > CLEAR;
+    let is_sure = frames.abs() > LEAST_LATE && frames.abs() * typical > LEAST_SHIFT_PX && gain > CLEAR;
     least.is_finite().then_some(Lateness { frames, rms_px, is_sure })
 }
 
