@@ -3,6 +3,8 @@
 set positional-arguments
 
 python := ".venv/bin/python"
+# What links OpenCV: video files, and finding boards in pictures
+opencv := "virtual-rig/video,capture-sync/video,calibrate/detect"
 
 # List the recipes
 default:
@@ -31,15 +33,15 @@ fetch-data *ARGS:
 # Build all stages, optimised, into target/release
 [group('use')]
 build:
-    cargo build --release --workspace --bins --features virtual-rig/video,capture-sync/video
+    cargo build --release --workspace --bins --features {{ opencv }}
 
 # Everything that must hold before a change lands
 [group('check')]
 test: house
     cargo fmt --all --check
     @python3 tools/peers/test_board.py --quiet
-    cargo clippy --workspace --all-targets --features virtual-rig/video,capture-sync/video,suite/video --locked --quiet -- -D warnings
-    cargo test --workspace --features virtual-rig/video,capture-sync/video,suite/video --locked
+    cargo clippy --workspace --all-targets --features {{ opencv }},suite/video --locked --quiet -- -D warnings
+    cargo test --workspace --features {{ opencv }},suite/video --locked
 
 # The rules of the house: floors, flow of artifacts, anatomy, citations, drawings
 [group('check')]

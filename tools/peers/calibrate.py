@@ -10,7 +10,9 @@ import cv2
 import numpy as np
 from scipy.optimize import least_squares
 
-from virtual_rig import make
+import _calibrate_formats
+import _calibrate_wand
+from _takes import make
 
 SEEDS = [1, 2]
 STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4)
@@ -234,6 +236,8 @@ def score(ctx):
         errors[seed] = rows
     worst = max(rows["marker_mm"] for rows in errors.values())
     yield metric("board_marker_mm", worst, 0.05, "lower", "mm", by_seed=errors)
+    yield from _calibrate_wand.score(ctx)
+    yield from _calibrate_formats.score(ctx)
 
 
 def bench(ctx):

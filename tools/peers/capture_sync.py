@@ -5,13 +5,14 @@ and doubled images, a late start, and a clock that drifts.
 """
 
 import csv
-import hashlib
 import json
 import shutil
 import statistics
 import struct
 import subprocess
 import zlib
+
+from _takes import make
 
 FAULTS = ["dropped=0.04@m2", "doubled=0.04@m3", "offset=2.3@m4", "drift=120@m5"]
 FRAMES = 600
@@ -31,16 +32,10 @@ def take(ctx, seed, kind):
     if kind == "flash":
         data["flash"] = {"mocap_frame": 40, "length_s": 0.1, "factor": 1.6}
     faults = FAULTS[:2] if kind == "trigger" else FAULTS
-    text = json.dumps([scenario, faults, seed])
-    key = hashlib.sha256(rig.read_bytes() + text.encode()).hexdigest()[:16]
-    folder = ctx.cache / "capture-sync" / f"{kind}-{seed}-{key}"
-    if not (folder / "take" / "take.json").exists():
-        shutil.rmtree(folder, ignore_errors=True)
-        path = ctx.tmp / f"{kind}-{seed}.json"
-        path.write_text(json.dumps(scenario))
-        planted = [word for fault in faults for word in ("--fault", fault)]
-        ctx.run([rig, "make", "--scenario", path, "--seed", seed, "--no-normals", "--no-calibration", *planted, "--out", folder])
-    return folder
+    path = ctx.tmp / f"{kind}-{seed}.json"
+    path.write_text(json.dumps(scenario))
+    planted = [word for fault in faults for word in ("--fault", fault)]
+    return make(ctx, f"sync-{kind}-{seed}", "--scenario", path, "--seed", seed, "--no-normals", "--no-calibration", *planted)
 
 
 def scored(ctx, folder, mode, *extra):

@@ -4,13 +4,13 @@ The peer does what the stage does per image: find the pixels of the paint's colo
 component.
 """
 
-import hashlib
-import shutil
 import statistics
 import time
 
 import cv2
 import numpy as np
+
+from _takes import mocap
 
 SEEDS = [1, 2, 3, 4, 5, 6]
 REPEATS = 5
@@ -18,18 +18,6 @@ REPEATS = 5
 
 def metric(name, value, target, better, unit, **context):
     return {"metric": name, "value": value, "target": target, "better": better, "unit": unit, "context": context}
-
-
-def take(ctx, scenario, seed):
-    """A long take of a scenario and seed, kept outside the repository."""
-    binary = ctx.binary("virtual-rig")
-    words = ["--scenario", scenario, "--seed", seed, "--length", "long", "--no-normals", "--no-calibration"]
-    key = hashlib.sha256(binary.read_bytes() + repr(words).encode()).hexdigest()[:16]
-    folder = ctx.cache / "marker-track" / f"{scenario}-{seed}-{key}"
-    if not (folder / "take" / "take.json").exists():
-        shutil.rmtree(folder, ignore_errors=True)
-        ctx.run([binary, "make", *words, "--out", folder])
-    return folder
 
 
 def track(ctx, folder, *args):
@@ -42,7 +30,7 @@ def track(ctx, folder, *args):
 
 def scored(ctx, scenario, seed, guided):
     """Metrics by name."""
-    folder = take(ctx, scenario, seed)
+    folder = mocap(ctx, scenario, seed)
     guide = ["--guide", folder / "truth" / "markers.jsonl", "--cameras", folder / "truth" / "cameras.json"]
     tracks, _ = track(ctx, folder, *(guide if guided else []))
     rows = ctx.run([ctx.binary("virtual-rig"), "score", "tracks-2d", tracks, "--truth", folder / "truth"])
@@ -77,7 +65,7 @@ def peer(images):
 
 
 def bench(ctx):
-    folder = take(ctx, "standard", 1)
+    folder = mocap(ctx, "standard", 1)
     cameras = sorted((folder / "take" / "footage").glob("m?"))
     images = [cv2.imread(str(path)) for camera in cameras for path in sorted(camera.glob("*.png"))[:50]]
     cv2.setNumThreads(1)

@@ -7,7 +7,8 @@ import subprocess
 
 import numpy as np
 
-import virtual_rig
+from _takes import lines, make, write_lines
+from virtual_rig import QUIET, score_of
 
 SEEDS = [1, 2, 3, 4, 5, 6]
 NOISE_PX = 0.1  # radial, root mean square
@@ -25,12 +26,12 @@ def run(ctx, cameras, tracks, out, *args):
 def disturbed(source, out, seed):
     """The tracks with Gaussian errors."""
     rng = np.random.default_rng(seed)
-    header, frames = virtual_rig.lines(source)
+    header, frames = lines(source)
     for frame in frames:
         for points in frame["points"].values():
             for marker, at in points.items():
                 points[marker] = (np.array(at) + rng.normal(0, NOISE_PX / np.sqrt(2), 2)).tolist()
-    return virtual_rig.write_lines(out, "tracks-2d/1", header, frames)
+    return write_lines(out, "tracks-2d/1", header, frames)
 
 
 # ---------------------------------------------------------------- takes of our own: a camera model independent of the stage
@@ -55,8 +56,8 @@ class Scene:
         truth = folder / "truth"
         self.cameras_file = truth / "cameras.json"
         self.rig = json.loads(self.cameras_file.read_text())["data"]["cameras"]
-        first = virtual_rig.lines(truth / "tracks-2d.jsonl")[1][0]
-        rest = virtual_rig.lines(truth / "markers.jsonl")[1][0]["points"]
+        first = lines(truth / "tracks-2d.jsonl")[1][0]
+        rest = lines(truth / "markers.jsonl")[1][0]["points"]
         states = first.get("state", {})
         self.seen = {c: {m for m in points if m not in states.get(c, {})} for c, points in first["points"].items()}
         twice = [m for m in rest if rest[m] and sum(m in seen for seen in self.seen.values()) >= 2]
@@ -78,7 +79,7 @@ class Scene:
 
     def read(self, path):
         """#F x #M x 3, NaN where missing."""
-        _, frames = virtual_rig.lines(path)
+        _, frames = lines(path)
         return np.array([[f["points"].get(m) or [np.nan] * 3 for m in self.markers] for f in frames])
 
 
@@ -123,11 +124,11 @@ def c3d_difference(ctx, scene):
         raise ctx.Missing("ezc3d is not installed") from error
     paths = np.repeat(scene.rest[None], 60, axis=0) + np.linspace(0, 20, 60)[:, None, None]
     tracks = scene.write(ctx.tmp / "gaps.jsonl", paths, 7)
-    header, frames = virtual_rig.lines(tracks)
+    header, frames = lines(tracks)
     for frame in frames[20:50]:
         for points in frame["points"].values():
             points.pop(scene.markers[0], None)
-    virtual_rig.write_lines(tracks, "tracks-2d/1", header, frames)
+    write_lines(tracks, "tracks-2d/1", header, frames)
     out, c3d = ctx.tmp / "c.jsonl", ctx.tmp / "c.c3d"
     run(ctx, scene.cameras_file, tracks, out, "--c3d", c3d)
     ours, read = scene.read(out), ezc3d.c3d(str(c3d))
@@ -149,13 +150,13 @@ def score(ctx):
     seeds = ctx.seeds or SEEDS
     raw, filtered = {}, {}
     for seed in seeds:
-        folder = virtual_rig.make(ctx, f"markers-{seed}", "--scenario", "standard", "--seed", seed, "--length", "long",
-                                  "--no-footage", *virtual_rig.QUIET)
+        folder = make(ctx, f"markers-{seed}", "--scenario", "standard", "--seed", seed, "--length", "long",
+                                  "--no-footage", *QUIET)
         truth, out = folder / "truth", ctx.tmp / "out.jsonl"
         tracks = disturbed(truth / "tracks-2d.jsonl", ctx.tmp / "tracks.jsonl", seed)
         for found, args in ((raw, ["--no-filter"]), (filtered, [])):
             run(ctx, truth / "cameras.json", tracks, out, *args)
-            found[seed] = virtual_rig.score_of(ctx, "trajectories-3d", out, truth)["rms_mm"]["value"]
+            found[seed] = score_of(ctx, "trajectories-3d", out, truth)["rms_mm"]["value"]
     mean = lambda values: float(np.sqrt(np.mean(np.square(list(values.values())))))
     yield metric("rms_mm", mean(raw), 0.07, "lower", "mm", by_seed=raw, noise_px=NOISE_PX, after_the_filter=mean(filtered),
                  filtered_by_seed=filtered)
@@ -181,7 +182,7 @@ def peak_bytes(words):
 
 
 def bench(ctx):
-    folder = virtual_rig.make(ctx, "markers-1", "--scenario", "standard", "--seed", 1, "--length", "long", "--no-footage", *virtual_rig.QUIET)
+    folder = make(ctx, "markers-1", "--scenario", "standard", "--seed", 1, "--length", "long", "--no-footage", *QUIET)
     scene = Scene(folder)
     sway = lambda count: scene.rest[None] + 10 * np.sin(np.arange(count) / 20)[:, None, None]
     takes = {count: scene.write(ctx.tmp / f"{count}.jsonl", sway(count), 1) for count in (6 * HZ, 60 * HZ)}

@@ -4,10 +4,8 @@ What a take shows is measured here, by code of its own, and compared with what t
 is perturbed here by known amounts. The rig never marks its own work.
 """
 
-import hashlib
 import json
 import math
-import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -15,35 +13,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from _takes import lines, make, write_lines
+
 SEEDS = [1, 2, 3, 4]
 QUIET = ["--no-calibration", "--no-normals"]
 
 
 def metric(name, value, target, better, unit, **context):
     return {"metric": f"virtual-rig/{name}", "value": value, "target": target, "better": better, "unit": unit, "context": context}
-
-
-def make(ctx, name, *args):
-    """A take of these arguments, kept outside the repository under a name that says what it was made with."""
-    binary = ctx.binary("virtual-rig")
-    key = hashlib.sha256(binary.read_bytes() + repr(args).encode()).hexdigest()[:16]
-    folder = ctx.cache / "virtual-rig" / f"{name}-{key}"
-    if not (folder / "take" / "take.json").exists():
-        shutil.rmtree(folder, ignore_errors=True)
-        ctx.run([binary, "make", *args, "--out", folder])
-    return folder
-
-
-def lines(path):
-    """Header and frames of an artifact with frames."""
-    rows = [json.loads(line) for line in open(path)]
-    return rows[0]["data"], rows[1:]
-
-
-def write_lines(path, kind, header, frames):
-    rows = [{"schema": kind, "data": header}, *frames]
-    path.write_text("".join(json.dumps(row) + "\n" for row in rows))
-    return path
 
 
 def point_cache(path):

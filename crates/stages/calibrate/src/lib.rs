@@ -1,9 +1,11 @@
 //! Finds lenses and poses of all cameras from pictures of a board or a waved point.
 //!
-//! [`calibrate_board`] goes from the corners of a board ([`Corners`]) to cameras in one space; [`bundle`] is the adjustment
-//! that ends every calibration.
+//! [`calibrate_board`] goes from the corners of a board ([`Corners`]) to cameras in one space, [`wand`] from one waved point;
+//! [`bundle`] is the adjustment that ends every calibration; [`doctor`] judges a calibration by what it has not seen.
 
 pub mod bundle;
+pub mod doctor;
+pub mod wand;
 
 mod board;
 mod corners;

@@ -180,11 +180,31 @@ impl Scenario {
     /// The cameras as placed, at the size of the images.
     #[must_use]
     pub fn placements(&self) -> BTreeMap<String, Placement> {
-        let all = match self.cameras.is_empty() {
+        let all = self.all_cameras().into_iter();
+        all.map(|(id, camera)| (id, camera.scaled(self.image_scale))).collect()
+    }
+
+    fn all_cameras(&self) -> BTreeMap<String, Placement> {
+        match self.cameras.is_empty() {
             true => crate::take::paper_rig(self.seed),
             false => self.cameras.clone(),
-        };
-        all.into_iter().map(|(id, camera)| (id, camera.scaled(self.image_scale))).collect()
+        }
+    }
+
+    /// Leaves only some of the cameras; all if none is named.
+    ///
+    /// # Errors
+    /// Names the camera that the rig lacks.
+    pub fn keep_cameras(&mut self, ids: &[String]) -> Result<(), Error> {
+        let all = self.all_cameras();
+        if let Some(id) = ids.iter().find(|id| !all.contains_key(*id)) {
+            let known = all.into_keys().collect::<Vec<_>>().join(", ");
+            return Err(Error::parameter("cameras", format!("there is no {id}; the rig has {known}")));
+        }
+        if !ids.is_empty() {
+            self.cameras = all.into_iter().filter(|(id, _)| ids.contains(id)).collect();
+        }
+        Ok(())
     }
 
     /// The sum of the amounts of a fault for a camera, if it has any.

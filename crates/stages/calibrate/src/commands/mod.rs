@@ -4,8 +4,13 @@ mod board;
 mod convert;
 #[cfg(feature = "detect")]
 mod detect;
+mod doctor;
+mod doctor_input;
+mod length;
 mod refine;
 mod shared;
+mod wand;
+mod wand_input;
 
 use clap::{Parser, Subcommand};
 use stage::Run;
@@ -25,7 +30,9 @@ enum Command {
     #[cfg(feature = "detect")]
     Detect(detect::Arguments),
     Board(Box<board::Arguments>),
+    Wand(Box<wand::Arguments>),
     Refine(Box<refine::Arguments>),
+    Doctor(Box<doctor::Arguments>),
     Convert(convert::Arguments),
 }
 
@@ -40,7 +47,9 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         #[cfg(feature = "detect")]
         Command::Detect(arguments) => detect::run(run, &arguments),
         Command::Board(arguments) => board::run(run, &arguments),
+        Command::Wand(arguments) => wand::run(run, &arguments),
         Command::Refine(arguments) => refine::run(run, &arguments),
+        Command::Doctor(arguments) => doctor::run(run, &arguments),
         Command::Convert(arguments) => convert::run(run, &arguments),
     }
 }

@@ -26,6 +26,9 @@ pub(crate) struct Choice {
     /// Size of the images as a share of the cameras' own
     #[arg(long, value_name = "SHARE")]
     image_scale: Option<f64>,
+    /// Cameras of the rig to film with, e.g. m1,m2,w1; all if absent
+    #[arg(long, value_name = "ID,ID...", value_delimiter = ',')]
+    cameras: Vec<String>,
     /// Something that goes wrong, e.g. rotated=0.3@m2 (degrees); may be said again
     #[arg(long, value_name = "KIND=AMOUNT[@CAMERA]")]
     fault: Vec<Fault>,
@@ -42,6 +45,7 @@ impl Choice {
         scenario.vertices = self.vertices.unwrap_or(scenario.vertices);
         scenario.extent.frames = self.count.unwrap_or(scenario.extent.frames);
         scenario.image_scale = self.image_scale.unwrap_or(scenario.image_scale);
+        self.explain(scenario.keep_cameras(&self.cameras))?;
         scenario.faults.extend(self.fault.iter().cloned());
         scenario.mark_changes(&read);
         self.explain(scenario.validate())?;

@@ -1,0 +1,220 @@
+//! Where a waved point was seen: from images, tracks or a table.
+
+use anyhow::bail;
+use artifact::{CameraRig, Error, FrameReader, Take, Tracks2d, picture};
+use calibrate::wand::{BlobParams, Luminance, Shown, Sightings, Track, WandCamera, bright_point};
+use nalgebra::Vector2;
+use rayon::prelude::*;
+use serde_json::json;
+use stage::Run;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// What is known beside the points.
+pub(super) struct Given<'a> {
+    pub(super) images: &'a str,
+    pub(super) take: Option<&'a Take>,
+    pub(super) lenses: Option<&'a CameraRig>,
+    pub(super) without: &'a [String],
+}
+
+/// Per camera and frame a pixel.
+type Seen = BTreeMap<String, BTreeMap<i64, Vector2<f64>>>;
+
+/// Reads the points of a folder of images, of tracks or of a table.
+pub(super) fn read(run: &mut Run, input: &Path, given: &Given) -> anyhow::Result<Sightings> {
+    let ending = input.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let (mut seen, sizes) = match ending.as_deref() {
+        _ if input.is_dir() => from_images(run, input, given)?,
+        Some("jsonl") => (from_tracks(run, input)?, BTreeMap::new()),
+        Some("csv") => (from_table(run, input)?, BTreeMap::new()),
+        _ => {
+            let what = "is neither a folder of images nor points as .jsonl or .csv";
+            return Err(Error::new(input, what).into());
+        }
+    };
+    for id in given.without {
+        if seen.remove(id).is_none() {
+            bail!("--without {id}: {} has no such camera", input.display());
+        }
+    }
+    let frames: BTreeSet<i64> = seen.values().flat_map(|seen| seen.keys().copied()).collect();
+    let camera = |(id, seen): (String, BTreeMap<i64, Vector2<f64>>)| {
+        let image_size = size(input, &id, &sizes, given)?;
+        let lens = match given.lenses {
+            Some(rig) => Some(lens(&id, image_size, rig)?),
+            None => None,
+        };
+        let track: Track = frames.iter().map(|frame| seen.get(frame).copied()).collect();
+        Ok(WandCamera { id, image_size, lens, track })
+    };
+    let cameras = seen.into_iter().map(camera).collect::<anyhow::Result<_>>()?;
+    Ok(Sightings { frames: frames.into_iter().collect(), cameras })
+}
+
+fn size(
+    input: &Path,
+    id: &str,
+    sizes: &BTreeMap<String, [u32; 2]>,
+    given: &Given,
+) -> anyhow::Result<[u32; 2]> {
+    let in_take = given.take.and_then(|take| take.cameras.iter().find(|camera| camera.id == id));
+    match (sizes.get(id).copied(), in_take.map(|camera| camera.image_size)) {
+        (Some(found), Some(stated)) if found != stated => Err(Error::new(
+            input,
+            format!(
+                "its images have {} × {} px, but the take manifest says {} × {} px",
+                found[0], found[1], stated[0], stated[1]
+            ),
+        )
+        .at(format!("camera {id}"))
+        .fix("calibrate with the image size of the footage")
+        .into()),
+        (Some(size), _) | (None, Some(size)) => Ok(size),
+        (None, None) => match given.lenses.and_then(|rig| rig.cameras.get(id)) {
+            Some(camera) => Ok(camera.camera.image_size),
+            None => {
+                let error = Error::new(input, "its image size is not known").at(format!("camera {id}"));
+                Err(error.fix("give the take manifest with --take").into())
+            }
+        },
+    }
+}
+
+fn lens(id: &str, image_size: [u32; 2], rig: &CameraRig) -> anyhow::Result<camera::Lens> {
+    let Some(known) = rig.cameras.get(id) else { bail!("--intrinsics: there is no camera {id}") };
+    let [width, height] = known.camera.image_size;
+    if known.camera.image_size != image_size {
+        bail!(
+            "--intrinsics: camera {id} has {width} × {height} px there, but {} × {} px here",
+            image_size[0],
+            image_size[1]
+        );
+    }
+    Ok(known.camera.lens)
+}
+
+/// Finds the point in every image.
+fn from_images(
+    run: &mut Run,
+    folder: &Path,
+    given: &Given,
+) -> anyhow::Result<(Seen, BTreeMap<String, [u32; 2]>)> {
+    let (mut seen, mut sizes, mut record) = (Seen::new(), BTreeMap::new(), serde_json::Map::new());
+    let mut lists = Vec::new();
+    for id in artifact::subfolders(folder)? {
+        let pattern = folder.join(&id).join(given.images);
+        let numbers = artifact::image_numbers(&pattern)?;
+        if !numbers.is_empty() {
+            lists.push((id, pattern, numbers));
+        }
+    }
+    if lists.is_empty() {
+        let what = format!("holds no folders with images named {}", given.images);
+        return Err(Error::new(folder, what).fix("say with --images how they are named").into());
+    }
+    let mut progress = run.progress("cameras", Some(lists.len() as u64));
+    for (id, pattern, numbers) in lists {
+        let pattern = pattern.to_string_lossy().into_owned();
+        let images: Vec<Image> = numbers
+            .par_iter()
+            .map(|&number| look(Path::new(&artifact::image_path(&pattern, number))))
+            .collect::<anyhow::Result<_>>()?;
+        let size = images[0].size;
+        if let Some(other) = images.iter().position(|image| image.size != size) {
+            let path = artifact::image_path(&pattern, numbers[other]);
+            let what = format!("is not of the size {} × {} px of the images before it", size[0], size[1]);
+            return Err(Error::new(Path::new(&path), what).into());
+        }
+        let hashes: String = images.iter().map(|image| image.sha256.as_str()).collect();
+        let unclear = images.iter().filter(|image| image.shown == Shown::Unclear).count();
+        let sha256 = artifact::sha256_of(hashes.as_bytes());
+        record.insert(id.clone(), json!({ "images": images.len(), "sha256": sha256, "unclear": unclear }));
+        let points = numbers.iter().zip(&images).filter_map(|(number, image)| match image.shown {
+            Shown::Point(at) => Some((*number, at)),
+            _ => None,
+        });
+        seen.insert(id.clone(), points.collect());
+        sizes.insert(id, size);
+        progress.step();
+    }
+    run.result("images", record);
+    Ok((seen, sizes))
+}
+
+struct Image {
+    size: [u32; 2],
+    sha256: String,
+    shown: Shown,
+}
+
+fn look(path: &Path) -> anyhow::Result<Image> {
+    let picture = picture::read_rgb(path)?;
+    let values = luminance(&picture.to_8_bits());
+    let size = [picture.width as u32, picture.height as u32];
+    let picture = Luminance { width: picture.width, height: picture.height, values };
+    let shown = bright_point(&picture, &BlobParams::default());
+    Ok(Image { size, sha256: artifact::sha256(path)?, shown })
+}
+
+/// Linear light, summed over the channels; the images are taken to be coded as sRGB, the wand's rim does not mind.
+fn luminance(codes: &[u8]) -> Vec<f64> {
+    let linear: Vec<f64> = (0..=u8::MAX)
+        .map(|code| {
+            let value = f64::from(code) / 255.0;
+            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        })
+        .collect();
+    codes.chunks_exact(3).map(|rgb| rgb.iter().map(|&code| linear[usize::from(code)]).sum()).collect()
+}
+
+/// Reads tracks of one point.
+fn from_tracks(run: &mut Run, path: &Path) -> anyhow::Result<Seen> {
+    run.input("points", path)?;
+    let reader = FrameReader::<Tracks2d>::open(path)?;
+    let header = reader.header().clone();
+    if header.markers.len() != 1 {
+        let what = format!("holds {} markers; a wand has one", header.markers.len());
+        return Err(Error::new(path, what).into());
+    }
+    let mut seen: Seen = header.cameras.iter().map(|id| (id.clone(), BTreeMap::new())).collect();
+    for frame in reader {
+        let frame = frame?;
+        for (id, samples) in header.cameras.iter().zip(frame.cameras) {
+            if let Some(sample) = samples.and_then(|samples| samples.into_iter().flatten().next()) {
+                seen.entry(id.clone()).or_default().insert(frame.frame, sample.at.coords);
+            }
+        }
+    }
+    Ok(seen)
+}
+
+const COLUMNS: &str = "frame,camera,x,y";
+
+/// Reads a table of points.
+fn from_table(run: &mut Run, path: &Path) -> anyhow::Result<Seen> {
+    run.input("points", path)?;
+    let text = artifact::read_text(path)?;
+    let mut lines = text.lines().enumerate();
+    let header: Option<String> =
+        lines.next().map(|(_, line)| line.chars().filter(|c| !c.is_whitespace()).collect());
+    if header.as_deref() != Some(COLUMNS) {
+        return Err(Error::new(path, format!("its first line is not {COLUMNS}")).at("line 1").into());
+    }
+    let mut seen = Seen::new();
+    for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let refuse = |what: &str| Error::new(path, what).at(format!("line {}", number + 1));
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        let [frame, camera, x, y] = cells[..] else { return Err(refuse("has not four cells").into()) };
+        let coordinate = |text: &str| match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(refuse(&format!("'{text}' is not a number"))),
+        };
+        let frame: i64 = frame.parse().map_err(|_| refuse(&format!("'{frame}' is not a frame number")))?;
+        let at = Vector2::new(coordinate(x)?, coordinate(y)?);
+        if seen.entry(camera.to_string()).or_default().insert(frame, at).is_some() {
+            return Err(refuse(&format!("camera {camera} saw the point in frame {frame} already")).into());
+        }
+    }
+    Ok(seen)
+}

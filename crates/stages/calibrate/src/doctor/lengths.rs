@@ -1,0 +1,56 @@
+//! Lengths that are known: what all cameras may have wrong together.
+
+use super::{Examination, Finding, Kind, Params};
+use nalgebra::Point3;
+
+/// A length that is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownLength {
+    /// Indices of the sightings at its ends.
+    pub ends: [usize; 2],
+    /// mm
+    pub mm: f64,
+}
+
+/// Standard errors that a mean must be off.
+const SURE: f64 = 5.0;
+
+pub(super) fn examine(
+    lengths: &[KnownLength],
+    points: &[Option<Point3<f64>>],
+    params: &Params,
+    examination: &mut Examination,
+) {
+    let ratio = |length: &KnownLength| {
+        let [a, b] = length.ends.map(|end| points.get(end).copied().flatten());
+        Some((a? - b?).norm() / length.mm)
+    };
+    let mut ratios: Vec<f64> = lengths.iter().filter_map(ratio).collect();
+    if ratios.is_empty() {
+        examination
+            .unchecked
+            .push("known lengths: there are none between points that two cameras see".into());
+        return;
+    }
+    ratios.sort_by(f64::total_cmp);
+    // The worst ends may be mislabelled corners.
+    let tenth = ratios.len() / 10;
+    let kept = &ratios[tenth..ratios.len() - tenth];
+    let count = kept.len() as f64;
+    let mean = kept.iter().sum::<f64>() / count;
+    let spread =
+        (kept.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
+    examination.length_ratio = Some(mean);
+    let off = mean - 1.0;
+    if off.abs() > params.length && off.abs() > SURE * spread / count.sqrt() {
+        let kind = Kind::Length;
+        examination.findings.push(Finding {
+            camera: None,
+            kind,
+            number: off,
+            unit: "share",
+            what: format!("{} known lengths come out {:+.2} % off in the mean", ratios.len(), 100.0 * off),
+            advice: kind.advice(),
+        });
+    }
+}
