@@ -41,6 +41,29 @@ impl Canvas {
         Self { width, height, rgb, scale }
     }
 
+    /// Canvases in rows, one below the other; the ground where they leave room is dark.
+    #[must_use]
+    pub fn sheet(rows: &[Vec<Self>]) -> Self {
+        let width = rows.iter().map(|row| row.iter().map(|tile| tile.width).sum()).max().unwrap_or(0);
+        let heights: Vec<usize> =
+            rows.iter().map(|row| row.iter().map(|tile| tile.height).max().unwrap_or(0)).collect();
+        let height = heights.iter().sum();
+        let mut sheet = Self { width, height, rgb: vec![24; 3 * width * height], scale: 1 };
+        let mut top = 0;
+        for (row, row_height) in rows.iter().zip(heights) {
+            let mut left = 0;
+            for tile in row {
+                for (y, line) in tile.rgb.chunks_exact(3 * tile.width).enumerate() {
+                    let first = 3 * ((top + y) * width + left);
+                    sheet.rgb[first..first + line.len()].copy_from_slice(line);
+                }
+                left += tile.width;
+            }
+            top += row_height;
+        }
+        sheet
+    }
+
     /// A place of the image on the canvas.
     fn place(&self, at: [f64; 2]) -> [f64; 2] {
         at.map(|x| (x + 0.5) * self.scale as f64 - 0.5)

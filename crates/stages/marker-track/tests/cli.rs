@@ -164,8 +164,16 @@ fn dots_are_numbered_and_tracks_drawn() {
     assert!(call(&folder, &TRACK).status.success());
     let show =
         ["show", "--tracks", "tracks.jsonl", "--camera", "m1", "--range", "1003-1007", "--out", "seen"];
-    assert!(call(&folder, &show).status.success());
-    assert_eq!(std::fs::read_dir(folder.path().join("seen")).unwrap().count(), 4);
+    let sheet = ["--sheet", "sheet.png", "--columns", "2"];
+    assert!(call(&folder, &[&show[..], &sheet].concat()).status.success());
+    assert_eq!(std::fs::read_dir(folder.path().join("seen/m1")).unwrap().count(), 4);
+    // Two of the frames beside each other, as large as the camera's images.
+    let size = |name: &str| {
+        let picture = artifact::picture::read_rgb(&folder.path().join(name)).unwrap();
+        [picture.width, picture.height]
+    };
+    let page = size("seen/m1/001003.png");
+    assert_eq!(size("sheet.png"), [page[0], page[1] / 2]);
     assert_eq!(call(&folder, &show).status.code(), Some(1), "the folder is not empty");
 }
 

@@ -1,13 +1,12 @@
 //! `marker-track show`.
 
-use super::footage::{Image, Source};
+use super::footage::{CameraImages, Footage, Image, Source};
 use anyhow::bail;
 use artifact::picture::write_rgb8;
 use artifact::{FrameRange, FrameReader, TrackState, Tracks2d, Tracks2dFrame};
 use marker_track::Canvas;
 use stage::Run;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Colours of seen, predicted and edited samples.
 const SEEN: [u8; 3] = [90, 255, 90];
@@ -26,55 +25,111 @@ pub(crate) struct Arguments {
     /// Tracks to draw (tracks-2d)
     #[arg(long, value_name = "FILE")]
     tracks: PathBuf,
-    /// Camera whose images are drawn
-    #[arg(long, value_name = "ID")]
-    camera: String,
+    /// Cameras whose images are drawn [default: all that have tracks]
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    camera: Vec<String>,
     /// Frames to draw
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     range: Option<FrameRange>,
     /// Frames that a tail goes back
     #[arg(long, value_name = "N", default_value_t = 10)]
     tail: usize,
-    /// Enlargement
+    /// Enlargement of the pictures in the folder
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=8))]
     scale: u8,
-    /// Folder to write into, one PNG per frame; must not exist, or be empty
-    #[arg(long, value_name = "FOLDER")]
-    out: PathBuf,
+    /// Folder to write into, one PNG per camera and frame; must not exist, or be empty
+    #[arg(long, value_name = "FOLDER", required_unless_present = "sheet")]
+    out: Option<PathBuf>,
+    /// One picture of it all: a row per camera, frames spread over the range
+    #[arg(long, value_name = "FILE")]
+    sheet: Option<PathBuf>,
+    /// Frames on the sheet
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=100))]
+    columns: u16,
 }
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("show");
     let footage = arguments.source.open(run)?;
-    let images = footage.camera(&arguments.camera)?;
     let reader = FrameReader::<Tracks2d>::open(&arguments.tracks)?;
     run.input("tracks", &arguments.tracks)?;
-    let camera = reader.header().cameras.iter().position(|id| *id == arguments.camera);
-    let Some(camera) = camera else {
-        bail!("{}: has no camera {}", arguments.tracks.display(), arguments.camera);
-    };
-    let tracks = reader.collect::<artifact::Result<Vec<_>>>()?;
-    let places: BTreeMap<i64, usize> = tracks.iter().enumerate().map(|(i, f)| (f.frame, i)).collect();
-    artifact::require_new_folder(&arguments.out)?;
-    let range = arguments.range.unwrap_or(FrameRange::ALL);
-    let mut outputs = Vec::new();
-    for (number, path) in footage.numbers().into_iter().zip(&images.paths) {
-        let (Some(path), Some(&place)) = (path, places.get(&number)) else { continue };
-        if !range.contains(number) {
+    let tracked = reader.header().cameras.clone();
+    if let Some(id) = arguments.camera.iter().find(|id| !tracked.contains(id)) {
+        bail!("{}: has no camera {id}; it has {}", arguments.tracks.display(), tracked.join(", "));
+    }
+    let tracks = Tracks { frames: reader.collect::<artifact::Result<Vec<_>>>()?, tail: arguments.tail };
+    if let Some(folder) = &arguments.out {
+        artifact::require_new_folder(folder)?;
+    }
+    let (mut outputs, mut strips) = (Vec::new(), Vec::new());
+    for (camera, id) in tracked.iter().enumerate() {
+        if !arguments.camera.is_empty() && !arguments.camera.contains(id) {
             continue;
         }
-        let image = Image::read(path, images.size)?;
-        let mut canvas = Canvas::enlarged(&image.picture()?, arguments.scale.into());
-        let tail = &tracks[place.saturating_sub(arguments.tail)..=place];
-        draw(&mut canvas, tail, camera);
-        let name = arguments.out.join(format!("{number:06}.png"));
-        outputs.push(write_rgb8(&name, canvas.width, canvas.height, &canvas.rgb)?);
+        let seen = Seen { camera, images: footage.camera(id)?, footage: &footage, tracks: &tracks };
+        let shown = seen.shown(arguments.range.unwrap_or(FrameRange::ALL));
+        if shown.is_empty() {
+            bail!("{}, camera {id}: none of the frames has an image and tracks", arguments.tracks.display());
+        }
+        for (place, path) in shown.iter().filter(|_| arguments.out.is_some()) {
+            let canvas = seen.drawn(*place, path, arguments.scale)?;
+            let name = format!("{id}/{:06}.png", tracks.frames[*place].frame);
+            let name = arguments.out.as_deref().unwrap_or(Path::new("")).join(name);
+            outputs.push(write_rgb8(&name, canvas.width, canvas.height, &canvas.rgb)?);
+        }
+        if arguments.sheet.is_some() {
+            let spread = spread(shown.len(), arguments.columns.into()).map(|i| shown[i]);
+            let strip = spread.map(|(place, path)| seen.drawn(place, path, 1));
+            strips.push(strip.collect::<anyhow::Result<Vec<_>>>()?);
+        }
     }
-    if outputs.is_empty() {
-        bail!("{}: no frame in {range} has an image and tracks", arguments.tracks.display());
+    if let Some(path) = &arguments.sheet {
+        let sheet = Canvas::sheet(&strips);
+        outputs.push(write_rgb8(path, sheet.width, sheet.height, &sheet.rgb)?);
     }
     run.result("pictures", outputs.len());
     outputs.into_iter().try_for_each(|output| Ok(output.publish()?))
+}
+
+/// At most `count` of the numbers below `len`, spread from the first to the last.
+fn spread(len: usize, count: usize) -> impl Iterator<Item = usize> {
+    let count = count.min(len);
+    (0..count).map(move |i| i * (len - 1) / (count - 1).max(1))
+}
+
+/// All tracks, in the order of frames.
+struct Tracks {
+    frames: Vec<Tracks2dFrame>,
+    tail: usize,
+}
+
+/// What a camera saw, and where the tracks are in it.
+struct Seen<'a> {
+    camera: usize,
+    images: CameraImages,
+    footage: &'a Footage,
+    tracks: &'a Tracks,
+}
+
+impl Seen<'_> {
+    /// The frames of a range that have tracks (where among them) and an image.
+    fn shown(&self, range: FrameRange) -> Vec<(usize, &PathBuf)> {
+        let frames = &self.tracks.frames;
+        let images = self.footage.numbers().into_iter().zip(&self.images.paths);
+        let wanted = images.filter(|(number, _)| range.contains(*number));
+        wanted
+            .filter_map(|(number, path)| {
+                Some((frames.binary_search_by_key(&number, |frame| frame.frame).ok()?, path.as_ref()?))
+            })
+            .collect()
+    }
+
+    fn drawn(&self, place: usize, path: &Path, scale: u8) -> anyhow::Result<Canvas> {
+        let image = Image::read(path, self.images.size)?;
+        let mut canvas = Canvas::enlarged(&image.picture()?, scale.into());
+        draw(&mut canvas, &self.tracks.frames[place.saturating_sub(self.tracks.tail)..=place], self.camera);
+        Ok(canvas)
+    }
 }
 
 /// Draws the last of some frames, with tails through those before it.
