@@ -107,9 +107,11 @@ fn charuco(
     Ok(numbers.iter().zip(&corners).map(|(id, at)| (id as u32, point(at))).collect())
 }
 
-/// Cells of a few blurred pixels are misread when they are resampled to the 4 px of OpenCV's default.
+/// Cells of a few blurred pixels are misread when they are resampled to the 4 px of OpenCV's default. Boards that are printed
+/// white on black are boards too.
 fn sharpen(parameters: &mut Ptr<aruco::DetectorParameters>) {
     use aruco::DetectorParametersTrait;
+    parameters.set_detect_inverted_marker(true);
     parameters.set_perspective_remove_pixel_per_cell(8);
     parameters.set_perspective_remove_ignored_margin_per_cell(0.3);
 }
