@@ -10,15 +10,20 @@ opencv := "virtual-rig/video,capture-sync/video,calibrate/detect"
 default:
     @just --list --unsorted
 
-# A whole run on synthetic markers: from a recording to pictures of the moving face
+# A whole run on a virtual take: from the footage of eight cameras to pictures of the moving face
 [group('use')]
-demo *ARGS:
+demo *ARGS: build
     @tools/demo "$@"
 
 # The same on real recordings; says what is missing if their folder is not there
 [group('use')]
-demo-real *ARGS:
+demo-real *ARGS: build
     @tools/demo-real "$@"
+
+# From a take's footage to clean markers in 3D, with a table and pictures: capture TAKE [OUT] [OPTIONS]
+[group('use')]
+capture *ARGS: build
+    @tools/capture "$@"
 
 # A take of the virtual rig with its truth: virtual-take NAME [OUT] [OPTIONS], e.g. standard-2-short; alone it lists the names
 [group('use')]

@@ -20,6 +20,12 @@ use support::{call, succeed, tiny_face};
 /// Markers, handles, poses and single meshes: double precision all the way, so only the order of sums may differ
 /// between machines, and picometres would do; a nanometre leaves room for the warp's condition number.
 const EXACT_MM: f64 = 1e-6;
+/// Times in seconds and frames.
+const EXACT_TIME: f64 = 1e-9;
+/// Places in images.
+const EXACT_PX: f64 = 1e-6;
+/// Cameras of an adjustment, which ends where a step changes little.
+const ADJUSTED: f64 = 1e-5;
 /// Sequences are single precision: half a unit in the last place of 128 mm is 4e-6 mm.
 const SEQUENCE_MM: f64 = 1e-4;
 /// Pictures: a value between two levels may be rounded either way.
@@ -53,22 +59,45 @@ struct Stage {
 
 const STAGES: &[Stage] = &[
     Stage {
-        folder: "01-stabilize",
+        folder: "01-capture-sync",
+        calls: &["capture-sync run 00-virtual-rig/take/take.json --no-extract --out 01-capture-sync"],
+        artifacts: &[("sync.jsonl", Numbers(EXACT_TIME))],
+    },
+    Stage {
+        folder: "02-marker-track",
+        calls: &["marker-track track --take 00-virtual-rig/take/take.json --sync 01-capture-sync/sync.jsonl \
+             --labels 00-virtual-rig/take/labels.json --out 02-marker-track/tracks.jsonl"],
+        artifacts: &[("tracks.jsonl", Numbers(EXACT_PX))],
+    },
+    Stage {
+        folder: "03-calibrate",
+        calls: &["calibrate refine --cameras 00-virtual-rig/truth/cameras-calibrated.json --tracks 02-marker-track/tracks.jsonl \
+             --free pose --out 03-calibrate/cameras.json"],
+        artifacts: &[("cameras.json", Numbers(ADJUSTED))],
+    },
+    Stage {
+        folder: "04-triangulate",
+        calls: &["triangulate --cameras 03-calibrate/cameras.json --tracks 02-marker-track/tracks.jsonl \
+             --sync 01-capture-sync/sync.jsonl --out 04-triangulate/markers.jsonl"],
+        artifacts: &[("markers.jsonl", Distance(EXACT_MM))],
+    },
+    Stage {
+        folder: "05-stabilize",
         calls: &[
-            "stabilize --markers 00-virtual-rig/truth/markers.jsonl --take 00-virtual-rig/take/take.json --head-markers head_* \
-             --out 01-stabilize/head.jsonl --pose 01-stabilize/pose.jsonl",
+            "stabilize --markers 04-triangulate/markers.jsonl --take 00-virtual-rig/take/take.json --head-markers head_* \
+             --out 05-stabilize/head.jsonl --pose 05-stabilize/pose.jsonl",
         ],
         artifacts: &[("head.jsonl", Distance(EXACT_MM)), ("pose.jsonl", Numbers(EXACT_MM))],
     },
     Stage {
-        folder: "02-rbf-warp",
+        folder: "06-rbf-warp",
         calls: &[
             "rbf-warp correspond --mesh 00-virtual-rig/take/scan.obj --take 00-virtual-rig/take/take.json --picks 00-virtual-rig/take/picks.csv \
-             --out 02-rbf-warp/correspondence.json",
-            "rbf-warp fit --mesh 00-virtual-rig/take/scan.obj --markers 01-stabilize/head.jsonl \
-             --correspondence 02-rbf-warp/correspondence.json --rest-frame 1001 --out 02-rbf-warp/warp.json",
-            "rbf-warp handles --warp 02-rbf-warp/warp.json --markers 01-stabilize/head.jsonl \
-             --out 02-rbf-warp/handles.jsonl",
+             --out 06-rbf-warp/correspondence.json",
+            "rbf-warp fit --mesh 00-virtual-rig/take/scan.obj --markers 05-stabilize/head.jsonl \
+             --correspondence 06-rbf-warp/correspondence.json --rest-frame 1001 --out 06-rbf-warp/warp.json",
+            "rbf-warp handles --warp 06-rbf-warp/warp.json --markers 05-stabilize/head.jsonl \
+             --out 06-rbf-warp/handles.jsonl",
         ],
         artifacts: &[
             ("correspondence.json", Numbers(EXACT_MM)),
@@ -77,9 +106,9 @@ const STAGES: &[Stage] = &[
         ],
     },
     Stage {
-        folder: "03-linear-shell",
-        calls: &["linear-shell --mesh 00-virtual-rig/take/scan.obj --handles 02-rbf-warp/handles.jsonl \
-             --out 03-linear-shell/large-scale.json"],
+        folder: "07-linear-shell",
+        calls: &["linear-shell --mesh 00-virtual-rig/take/scan.obj --handles 06-rbf-warp/handles.jsonl \
+             --out 07-linear-shell/large-scale.json"],
         artifacts: &[
             ("large-scale.json", Numbers(0.0)),
             ("large-scale.json", Distance(SEQUENCE_MM)),
@@ -87,16 +116,16 @@ const STAGES: &[Stage] = &[
         ],
     },
     Stage {
-        folder: "04-mesh-clip",
+        folder: "08-mesh-clip",
         calls: &["mesh-clip --mesh 00-virtual-rig/take/scan.obj --unit mm --keep-sphere 0,-20,50,80 \
-             --keep-largest-component --out 04-mesh-clip/face.obj --map 04-mesh-clip/face-map.json"],
+             --keep-largest-component --out 08-mesh-clip/face.obj --map 08-mesh-clip/face-map.json"],
         artifacts: &[("face.obj", Distance(EXACT_MM)), ("face-map.json", Numbers(0.0))],
     },
     Stage {
-        folder: "05-preview",
+        folder: "09-preview",
         calls: &[
-            "preview --mesh 00-virtual-rig/take/scan.obj --unit mm --sequence 03-linear-shell/large-scale.json \
-             --handles 02-rbf-warp/handles.jsonl --count 2 --size 160 --out 05-preview/frames.png",
+            "preview --mesh 00-virtual-rig/take/scan.obj --unit mm --sequence 07-linear-shell/large-scale.json \
+             --handles 06-rbf-warp/handles.jsonl --count 2 --size 160 --out 09-preview/frames.png",
         ],
         artifacts: &[("frames.png", Levels(LEVELS))],
     },
@@ -218,28 +247,48 @@ fn virtual_rig_makes_the_golden_take() {
 }
 
 #[test]
+fn capture_sync_makes_the_golden_time_base() {
+    alone("01-capture-sync");
+}
+
+#[test]
+fn marker_track_makes_the_golden_tracks() {
+    alone("02-marker-track");
+}
+
+#[test]
+fn calibrate_makes_the_golden_cameras() {
+    alone("03-calibrate");
+}
+
+#[test]
+fn triangulate_makes_the_golden_markers() {
+    alone("04-triangulate");
+}
+
+#[test]
 fn stabilize_makes_the_golden_head() {
-    alone("01-stabilize");
+    alone("05-stabilize");
 }
 
 #[test]
 fn rbf_warp_makes_the_golden_handles() {
-    alone("02-rbf-warp");
+    alone("06-rbf-warp");
 }
 
 #[test]
 fn linear_shell_makes_the_golden_sequence() {
-    alone("03-linear-shell");
+    alone("07-linear-shell");
 }
 
 #[test]
 fn mesh_clip_makes_the_golden_face() {
-    alone("04-mesh-clip");
+    alone("08-mesh-clip");
 }
 
 #[test]
 fn preview_makes_the_golden_picture() {
-    alone("05-preview");
+    alone("09-preview");
 }
 
 #[test]
@@ -266,7 +315,7 @@ fn the_whole_chain_ends_in_the_golden_sequence() {
         }
     }
     let (golden, made) =
-        (tiny_face().join("03-linear-shell"), folder.path().join("03-linear-shell/large-scale.json"));
+        (tiny_face().join("07-linear-shell"), folder.path().join("07-linear-shell/large-scale.json"));
     let fault = difference(folder.path(), &golden.join("large-scale.json"), &made, Distance(SEQUENCE_MM));
     assert!(fault.is_none(), "\n{}", fault.unwrap_or_default());
 }
@@ -289,17 +338,21 @@ fn nudged(folder: &Path, file: &str, after: &str, by: f64) -> std::path::PathBuf
 fn the_yardsticks_see_what_is_off() {
     let folder = tempfile::tempdir().expect("a folder");
     let cases = [
-        ("01-stabilize/head.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
+        ("01-capture-sync/sync.jsonl", "\"offset_frames\":", 3e-9, Numbers(EXACT_TIME)),
+        ("02-marker-track/tracks.jsonl", "\"lip_upper_1\":[", 3e-6, Numbers(EXACT_PX)),
+        ("03-calibrate/cameras.json", "\"translation_mm\":[", 3e-5, Numbers(ADJUSTED)),
+        ("04-triangulate/markers.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
+        ("05-stabilize/head.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
         (
-            "01-stabilize/pose.jsonl",
+            "05-stabilize/pose.jsonl",
             "\"frame\":1003,\"world_from_head\":{\"rotation_wxyz\":[",
             3e-6,
             Numbers(EXACT_MM),
         ),
-        ("02-rbf-warp/handles.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
-        ("02-rbf-warp/warp.json", "\"weights\":[[", 1e-5, Carried(EXACT_MM)),
-        ("03-linear-shell/large-scale.json", "\"frames\":[", 1.0, Numbers(0.0)),
-        ("04-mesh-clip/face.obj", "v ", 3e-6, Distance(EXACT_MM)),
+        ("06-rbf-warp/handles.jsonl", "\"lip_upper_1\":[", 3e-6, Distance(EXACT_MM)),
+        ("06-rbf-warp/warp.json", "\"weights\":[[", 1e-5, Carried(EXACT_MM)),
+        ("07-linear-shell/large-scale.json", "\"frames\":[", 1.0, Numbers(0.0)),
+        ("08-mesh-clip/face.obj", "v ", 3e-6, Distance(EXACT_MM)),
     ];
     for (file, after, by, yardstick) in cases {
         let golden = tiny_face().join(file);

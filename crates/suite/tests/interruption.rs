@@ -88,7 +88,7 @@ fn sequence_folder() -> (tempfile::TempDir, &'static str) {
     let scan = folder.path().join("scan.obj");
     std::fs::copy(tiny_face().join("00-virtual-rig/take/scan.obj"), scan).expect("a copy");
     let ids = ["lip_lower_1", "lip_corner_l", "lip_corner_r", "forehead_m_1", "jaw_r_1", "nose_m_1"];
-    let handles = long_take("02-rbf-warp/handles.jsonl", "handles", "displacements_mm", &ids);
+    let handles = long_take("06-rbf-warp/handles.jsonl", "handles", "displacements_mm", &ids);
     std::fs::write(folder.path().join("handles.jsonl"), handles).expect("a file");
     (folder, "linear-shell --mesh scan.obj --handles handles.jsonl --threads 1")
 }
@@ -139,10 +139,10 @@ fn what_another_run_left_is_not_continued() {
 fn an_interrupted_stream_leaves_nothing() {
     for signal in ["-INT", "-TERM"] {
         let folder = tempfile::tempdir().expect("a folder");
-        let warp = tiny_face().join("02-rbf-warp/warp.json");
+        let warp = tiny_face().join("06-rbf-warp/warp.json");
         let line = format!("rbf-warp handles --warp {} --markers - --out made/handles.jsonl", warp.display());
         let mut child = start(folder.path(), &line);
-        let take = std::fs::read(tiny_face().join("01-stabilize/head.jsonl")).expect("a take");
+        let take = std::fs::read(tiny_face().join("05-stabilize/head.jsonl")).expect("a take");
         child.stdin.as_mut().expect("a pipe").write_all(&take).expect("it reads");
         let made = folder.path().join("made");
         wait_until(&mut child, "an output was begun", || made.exists() && has_part(&made));
