@@ -158,7 +158,7 @@ fn dots_are_numbered_and_tracks_drawn() {
         let output = call(&folder, &[&words[..], &how].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let table = std::fs::read_to_string(folder.path().join("n.csv")).unwrap();
-        assert_eq!(table.lines().next(), Some("camera,number,x,y,area"));
+        assert_eq!(table.lines().next(), Some("camera,frame,number,x,y,area,marker"));
         assert_eq!(table.lines().count(), 13, "{how:?}");
     }
     assert!(call(&folder, &TRACK).status.success());
@@ -177,9 +177,46 @@ fn dots_are_numbered_and_tracks_drawn() {
     assert_eq!(call(&folder, &show).status.code(), Some(1), "the folder is not empty");
 }
 
+/// Names in the tables of `detect` are labels.
+#[test]
+fn tables_with_names_are_labels() {
+    let folder = take();
+    let words =
+        ["detect", "--camera", "m1", "--frame", "1004", "--color", "1c3d86", "--out", "n.png", "--csv", "n.csv"];
+    assert!(call(&folder, &words).status.success());
+    let path = folder.path().join("n.csv");
+    let rows = std::fs::read_to_string(&path).unwrap();
+    let named = |name: fn(usize) -> String| {
+        let lines = rows.lines().enumerate().map(|(i, row)| match i {
+            0 | 3 => row.to_string(),
+            _ => format!("{row}{}", name(i)),
+        });
+        std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
+        let words = ["label", "n.csv", "--out", "named.json"];
+        Command::cargo_bin("marker-track").unwrap().current_dir(&folder).args(words).output().unwrap()
+    };
+    assert!(named(|i| format!("dot_{i}")).status.success());
+    let labels: Labels = artifact::read_document(&folder.path().join("named.json")).unwrap();
+    let camera = &labels.cameras["m1"];
+    assert_eq!((labels.frame, camera.len()), (1004, 11), "twelve dots, one without a name");
+    let distance = |at: &[f64; 2]| {
+        let truth = dots_at(LABELLED);
+        truth.iter().map(|dot| (dot.at[0] - at[0]).hypot(dot.at[1] - at[1])).fold(f64::INFINITY, f64::min)
+    };
+    assert!(camera.values().all(|at| distance(at) < 0.1));
+    for (name, said) in [
+        ((|_| "nose".into()) as fn(usize) -> String, "n.csv, line 3: nose stands twice in camera m1"),
+        (|_| String::new(), "names no marker"),
+    ] {
+        let output = named(name);
+        let text = String::from_utf8_lossy(&output.stderr).to_string();
+        assert!(output.status.code() == Some(1) && text.contains(said), "{text}");
+    }
+}
+
 #[test]
 fn the_help_says_it_all() {
-    for command in ["track", "detect", "show"] {
+    for command in ["track", "detect", "label", "show"] {
         let output = Command::cargo_bin("marker-track").unwrap().args([command, "--help"]).output().unwrap();
         insta::assert_snapshot!(command, String::from_utf8_lossy(&output.stdout));
     }

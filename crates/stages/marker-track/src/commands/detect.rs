@@ -13,8 +13,8 @@ const INK: [u8; 3] = [255, 235, 60];
 
 /// Numbers the dots of one image, so that labels can be written by hand
 ///
-/// Writes a picture with the numbers drawn in, and a table camera,number,x,y,area (px, px²). Name the colour of the paint, or
-/// click on a dot or two.
+/// Writes a picture with the numbers drawn in, and a table of the dots (px, px²) with an empty column `marker` for their names.
+/// Name the colour of the paint, or click on a dot or two.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -64,8 +64,8 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let wanted = |(number, path): &(&i64, &Option<PathBuf>)| {
         path.is_some() && arguments.frame.is_none_or(|frame| frame == **number)
     };
-    let found = numbers.iter().zip(&images.paths).find(wanted).and_then(|(_, path)| path.as_ref());
-    let Some(path) = found else {
+    let found = numbers.iter().zip(&images.paths).find(wanted);
+    let Some((&frame, Some(path))) = found else {
         let frame = arguments.frame.map_or("any frame".to_string(), |frame| format!("frame {frame}"));
         bail!("{}, camera {}: has no image of {frame}", footage.path().display(), arguments.camera);
     };
@@ -88,16 +88,16 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         canvas.number(dot.at, index + 1, INK);
     }
     let picture = write_rgb8(&arguments.out, canvas.width, canvas.height, &canvas.rgb)?;
-    let table = artifact::stage_bytes(&arguments.csv, &table(&arguments.camera, &dots)?)?;
+    let table = artifact::stage_bytes(&arguments.csv, &table(&arguments.camera, frame, &dots)?)?;
     run.publish(vec![picture, table])
 }
 
-fn table(camera: &str, dots: &[Found]) -> anyhow::Result<Vec<u8>> {
+fn table(camera: &str, frame: i64, dots: &[Found]) -> anyhow::Result<Vec<u8>> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(["camera", "number", "x", "y", "area"])?;
+    table.write_record(["camera", "frame", "number", "x", "y", "area", "marker"])?;
     for (index, dot) in dots.iter().enumerate() {
         let [x, y, area] = [dot.at[0], dot.at[1], dot.area].map(|value| format!("{value:.2}"));
-        table.write_record([camera, &(index + 1).to_string(), &x, &y, &area])?;
+        table.write_record([camera, &frame.to_string(), &(index + 1).to_string(), &x, &y, &area, ""])?;
     }
     Ok(table.into_inner()?)
 }

@@ -4,6 +4,7 @@ mod detect;
 mod follow;
 mod footage;
 mod guide;
+mod label;
 mod show;
 mod track;
 
@@ -12,8 +13,8 @@ use stage::Run;
 
 /// Follows painted markers through the images of each camera
 ///
-/// Number the dots of one frame with `detect`, write their names into a labels file, `track` them, and look at the tracks
-/// with `show`.
+/// Number the dots of one frame with `detect`, write their names into the tables, make labels of these with `label`, `track`
+/// them, and look at the tracks with `show`.
 #[derive(Parser)]
 #[command(name = "marker-track", version)]
 pub(crate) struct Arguments {
@@ -27,6 +28,7 @@ pub(crate) struct Arguments {
 enum Command {
     Track(Box<track::Arguments>),
     Detect(detect::Arguments),
+    Label(label::Arguments),
     Show(show::Arguments),
 }
 
@@ -40,6 +42,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Track(arguments) => track::run(run, &arguments),
         Command::Detect(arguments) => detect::run(run, &arguments),
+        Command::Label(arguments) => label::run(run, &arguments),
         Command::Show(arguments) => show::run(run, &arguments),
     }
 }
