@@ -5,7 +5,7 @@
 //! kind or a newer version is refused by name.
 
 use crate::source::{open, read_utf8};
-use crate::{Error, Result, Sink, Staged, Violation};
+use crate::{Error, Result, Sink, Staged, Violation, distinct};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -104,7 +104,7 @@ fn open_envelope<K: Kind, T: DeserializeOwned>(path: &Path, text: &str, first_li
             .fix(format!("the file must start with {{\"schema\":\"{wanted}\",\"data\":…}}"))
     })?;
     check_schema::<K>(path, &opened.schema)?;
-    serde_json::from_str(opened.data.get()).map_err(|error| {
+    distinct::from_str(opened.data.get()).map_err(|error| {
         // The parser counts from where the data starts; the user counts from the start of the file.
         let offset = opened.data.get().as_ptr() as usize - text.as_ptr() as usize;
         let before = &text[..offset];
@@ -221,7 +221,7 @@ impl<S: Stream> FrameReader<S> {
 
     fn parse(&mut self, line: &str) -> Result<S::Frame> {
         let here = format!("line {}", self.line_number);
-        let line: S::Line = serde_json::from_str(line).map_err(|error| {
+        let line: S::Line = distinct::from_str(line).map_err(|error| {
             let cut = if error.is_eof() { "; the file may have been cut short" } else { "" };
             Error::new(
                 &self.path,

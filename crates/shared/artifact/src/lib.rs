@@ -21,6 +21,7 @@
 //! # }
 //! ```
 
+mod distinct;
 mod envelope;
 mod error;
 mod finite;
