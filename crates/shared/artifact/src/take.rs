@@ -112,6 +112,9 @@ impl Footage {
     }
 
     fn check(&self, place: &str) -> Result<(), Violation> {
+        if self.first < 0 {
+            return Err(Violation::new(place, format!("first is {}; images are counted from 0", self.first)));
+        }
         match (&self.file, &self.images) {
             (Some(file), None) if file.is_empty() => Err(Violation::new(place, "the file has no name")),
             (Some(_), None) => Ok(()),
@@ -162,6 +165,7 @@ impl Document for Take {
         check_ids("cameras", "camera", self.cameras.iter().map(|camera| &camera.id))?;
         for camera in &self.cameras {
             let place = format!("camera {}", camera.id);
+            check_file_name(&place, &camera.id)?;
             camera.rate.check(&place)?;
             camera.footage.as_ref().map_or(Ok(()), |footage| footage.check(&format!("{place}, footage")))?;
         }
@@ -169,6 +173,18 @@ impl Document for Take {
             Some(false) => Err(Violation::new("start_timecode", "is not HH:MM:SS:FF or HH:MM:SS;FF")),
             _ => Ok(()),
         }
+    }
+}
+
+/// Refuses a camera id that cannot name a folder: its images are written under it.
+fn check_file_name(place: &str, id: &str) -> Result<(), Violation> {
+    let is_odd = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
+    match id.starts_with('.') || id.contains(is_odd) {
+        true => Err(Violation::new(
+            place,
+            "its id cannot name a folder; leave out slashes, colons and a dot in front",
+        )),
+        false => Ok(()),
     }
 }
 

@@ -83,6 +83,18 @@ fn cameras_of_a_take_stand_once() {
     assert_eq!(document_refusal::<Take>(&twice), "a.json, cameras: the id front stands twice");
 }
 
+#[test]
+fn cameras_name_folders_and_footage_counts_from_zero() {
+    let text = text("take-2/take.json");
+    for id in ["../front", "a/b", "a\\\\b", ".hidden", "c:"] {
+        let odd = text.replace(r#""id":"front""#, &format!(r#""id":"{id}""#));
+        says(&document_refusal::<Take>(&odd), &["its id cannot name a folder"]);
+    }
+    let early = text.replace(r#""first":5"#, r#""first":-1"#);
+    assert_ne!(early, text);
+    says(&document_refusal::<Take>(&early), &["footage: first is -1; images are counted from 0"]);
+}
+
 // Cameras
 
 fn any_camera() -> impl Strategy<Value = RigCamera> {
