@@ -433,23 +433,6 @@ fn strokes_have_their_area_and_lie_under_dots() {
 }
 
 #[test]
-fn the_mask_has_the_color_of_most_of_a_pixel() {
-    let grid = Thing::of(&shapes::grid(40, 1.0));
-    let layers = stroke_and_dot(&grid, vec![]);
-    let exposure = shot(&above_the_grid(), &grid, &layers, &[]);
-    let mask = exposure.paint_mask(&[[0, 255, 0], [0, 0, 255]]);
-    let at = |x: f64, y: f64| {
-        let pixel = above_the_grid().project(&Point3::new(x, y, 0.0)).unwrap();
-        let first = 3 * (200 * pixel.y.round() as usize + pixel.x.round() as usize);
-        [mask[first], mask[first + 1], mask[first + 2]]
-    };
-    let center = layers.dots()[0].center;
-    assert_eq!(at(center.x, center.y), [0, 0, 255]);
-    assert_eq!(at(30.0, 20.0), [0, 255, 0]);
-    assert_eq!(at(30.0, 25.0), [0, 0, 0]);
-}
-
-#[test]
 fn light_falls_on_skin_and_paint_alike() {
     let mut grid = Thing::of(&shapes::grid(40, 1.0)).colored([0.5, 0.4, 0.3]);
     grid.irradiance.iter_mut().zip(&grid.open).for_each(|(light, point)| *light = [0.02 * point.x as f32; 3]);
@@ -600,10 +583,6 @@ fn pictures() {
         let seen = exposure.depth_mm.iter().filter(|depth| depth.is_finite()).count();
         println!("{name}: face fills {:.2}", seen as f64 / exposure.depth_mm.len() as f64);
         save(name, exposure.size, develop(&exposure, &Sensor::default(), grain).unwrap());
-        let colors: Vec<[u8; 3]> = (0..layers.len() as u32)
-            .map(|layer| layers.paint(layer).map(|x| (255.0 * x.sqrt()) as u8))
-            .collect();
-        save(&format!("{name}-mask"), exposure.size, exposure.paint_mask(&colors));
     }
     let mut close = portrait(0.1);
     close.lens.focal_px *= 6.0;

@@ -25,6 +25,7 @@ fn full() -> Value {
             "wrinkle_phase": 2, "pace": 1.0}),
         ),
         ("/vertices", json!(1000)),
+        ("/pores_mm", json!(0.02)),
         ("/performance", json!({"events": {"events": [event("brow_raise"), event("speech")], "seed": 3}})),
         ("/events", json!([event("smile")])),
         ("/folds/d_over_w_max", json!(0.1)),

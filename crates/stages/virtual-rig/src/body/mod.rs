@@ -95,10 +95,13 @@ impl Body {
         Self::build(face, albedo, face_from_canonical, muscle_names(), Motion::Muscles(Box::new(muscles)))
     }
 
-    /// The same body with pores sunk into its skin, `depth_mm` deep (0.02 looks right), in a band of 0.3 to 0.8 mm:
+    /// The same body with pores sunk into its skin, `depth_mm` deep (0.02 looks right; 0: none), in a band of 0.3 to 0.8 mm:
     /// for meshes whose edges are shorter than 0.2 mm.
     #[must_use]
     pub fn with_pores(mut self, depth_mm: f64) -> Self {
+        if depth_mm == 0.0 {
+            return self;
+        }
         let normals = mesh::vertex_normals(&self.mesh.positions, &self.triangles);
         let sink = |((point, at), normal): ((&mut Point3<f64>, &Point2<f64>), &Vector3<f64>)| {
             *point -= normal * (depth_mm * skin::pore(&self.person, *at));

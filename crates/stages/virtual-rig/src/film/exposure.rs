@@ -194,35 +194,4 @@ impl Exposure {
             depth <= here + tolerance_mm + within_pixel
         }
     }
-
-    /// The painted mask as a person would draw it: RGB bytes per pixel, the colour of the layer that covers most of the
-    /// pixel where paint covers at least half of it, else black.
-    ///
-    /// `colors`: one per layer; layers of the same colour count as one paint.
-    ///
-    /// # Panics
-    /// If a layer has no colour.
-    #[must_use]
-    pub fn paint_mask(&self, colors: &[[u8; 3]]) -> Vec<u8> {
-        let mut mask = vec![0; 3 * self.radiance.len()];
-        for covers in self.covers.chunk_by(|one, next| one.pixel == next.pixel) {
-            let share_of = |color: [u8; 3]| -> f32 {
-                covers
-                    .iter()
-                    .filter(|cover| colors[cover.layer as usize] == color)
-                    .map(|cover| cover.share)
-                    .sum()
-            };
-            let painted: f32 = covers.iter().map(|cover| cover.share).sum();
-            let most = covers
-                .iter()
-                .map(|cover| colors[cover.layer as usize])
-                .max_by(|one, other| share_of(*one).total_cmp(&share_of(*other)));
-            if let (Some(color), true) = (most, painted >= 0.5) {
-                let at = 3 * covers[0].pixel as usize;
-                mask[at..at + 3].copy_from_slice(&color);
-            }
-        }
-        mask
-    }
 }

@@ -25,4 +25,4 @@ pub use exposure::{Cover, Exposure, expose};
 pub use noise::Grain;
 pub use params::{Film, Gloss, Sensor, Transfer};
 pub use scene::{Moment, Scene, Skin, Solid};
-pub use sensor::{develop, develop_16};
+pub use sensor::develop;

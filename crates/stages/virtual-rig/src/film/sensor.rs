@@ -23,16 +23,6 @@ pub fn develop(exposure: &Exposure, sensor: &Sensor, grain: Grain) -> Result<Vec
     Ok(store(exposure, sensor, grain, |light| codes.of_light(light)))
 }
 
-/// The same in 16 bits, for measurements: footage has 8.
-///
-/// # Errors
-/// [`Error::Parameter`] if the sensor's parameters make no sense.
-pub fn develop_16(exposure: &Exposure, sensor: &Sensor, grain: Grain) -> Result<Vec<u16>, Error> {
-    sensor.check()?;
-    let transfer = sensor.transfer;
-    Ok(store(exposure, sensor, grain, |light| (65535.0 * transfer.encode(f64::from(light))).round() as u16))
-}
-
 /// Blurs, adds noise, and stores each value by `code`.
 fn store<T: Copy + Default + Send>(
     exposure: &Exposure,
@@ -173,8 +163,7 @@ mod tests {
             transfer: Transfer::Linear,
             ..Sensor::default()
         };
-        let stored = develop_16(&exposure([200, 150], |_, _| light), &sensor, grain).unwrap();
-        stored.iter().map(|&x| f64::from(x) / 65535.0).collect()
+        store(&exposure([200, 150], |_, _| light), &sensor, grain, f64::from)
     }
 
     #[test]
@@ -223,7 +212,5 @@ mod tests {
         let sensor = Sensor { gain: 2.0, ..Sensor::ideal() };
         assert_eq!(develop(&exposure([4, 3], |_, _| 0.09), &sensor, GRAIN).unwrap(), vec![118; 36]);
         assert_eq!(develop(&exposure([4, 3], |_, _| 0.8), &sensor, GRAIN).unwrap(), vec![255; 36]);
-        let deep = develop_16(&exposure([4, 3], |_, _| 0.25), &Sensor::ideal(), GRAIN).unwrap();
-        assert_eq!(deep[0], (65535.0 * Transfer::Srgb.encode(0.25)).round() as u16);
     }
 }

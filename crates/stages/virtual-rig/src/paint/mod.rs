@@ -27,5 +27,3 @@ pub const BLUE: Paint = [0.020, 0.075, 0.420];
 pub const GREEN: Paint = [0.060, 0.330, 0.090];
 /// The other colour of wrinkle paint, for neighbours of a green line.
 pub const VIOLET: Paint = [0.330, 0.045, 0.300];
-/// A third colour of wrinkle paint.
-pub const YELLOW: Paint = [0.700, 0.520, 0.040];

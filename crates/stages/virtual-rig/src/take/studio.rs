@@ -61,6 +61,7 @@ impl Studio {
             Some(base) => base.body(scenario.vertices, &paths, FINE_REACH_MM),
             None => Body::parametric(scenario.seed, scenario.vertices, &paths, FINE_REACH_MM),
         };
+        let body = body.with_pores(scenario.pores_mm);
         let rest = &body.mesh.positions;
         let wrinkles = Wrinkles::place(rest, &body.triangles, &body.domain, &lines, &scenario.folds)?;
         let normals = vertex_normals(rest, &body.triangles);
