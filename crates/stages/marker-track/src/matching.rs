@@ -21,6 +21,46 @@ pub(crate) struct Matches {
     pub(crate) dot_of: Vec<Option<usize>>,
 }
 
+/// A lost marker, and the places where it may have gone.
+pub(crate) struct Lost {
+    pub(crate) track: usize,
+    pub(crate) places: Vec<[f64; 2]>,
+    /// px
+    pub(crate) gate: f64,
+}
+
+/// Assigns dots that nobody has to markers that have none, by the nearest of their places.
+pub(crate) fn match_lost(lost: &[Lost], tracks: &[Track], matches: &mut Matches, params: &Params) {
+    let mut free = vec![true; matches.dots.len()];
+    matches.dot_of.iter().flatten().for_each(|&dot| free[dot] = false);
+    let mut pairs = Vec::new();
+    for marker in lost {
+        for (dot, found) in matches.dots.iter().enumerate().filter(|(dot, _)| free[*dot]) {
+            let away = |at: &[f64; 2]| (found.spot.at[0] - at[0]).hypot(found.spot.at[1] - at[1]);
+            let off = marker.places.iter().map(away).fold(f64::INFINITY, f64::min) / marker.gate;
+            if off <= 1.0 {
+                pairs.extend(cost(&tracks[marker.track], found, off, params).map(|cost| Pair {
+                    track: marker.track,
+                    dot,
+                    cost,
+                }));
+            }
+        }
+    }
+    let dot_of = assign(&pairs, tracks.len(), matches.dots.len(), ALONE);
+    for (dot, found) in matches.dot_of.iter_mut().zip(dot_of) {
+        *dot = dot.or(found);
+    }
+}
+
+/// What it costs to take a dot for a marker's, `off` gates from where it should be; none where it cannot be.
+fn cost(track: &Track, dot: &Dot, off: f64, params: &Params) -> Option<f64> {
+    let share = dot.spot.area / track.area.unwrap_or(dot.spot.area);
+    (params.least_share..=LARGEST)
+        .contains(&share)
+        .then(|| AT_GATE * off * off + AREA_WEIGHT * share.ln().powi(2))
+}
+
 /// Assigns dots to tracks.
 pub(crate) fn match_tracks(
     predictions: &[Option<Prediction>],
@@ -32,15 +72,9 @@ pub(crate) fn match_tracks(
     for (track, prediction) in predictions.iter().enumerate() {
         let Some(prediction) = prediction else { continue };
         for (dot, found) in dots.iter().enumerate().filter(|(_, dot)| prediction.reaches(dot.spot.at)) {
-            let usual = tracks[track].area.unwrap_or(found.spot.area);
-            let share = found.spot.area / usual;
-            if (params.least_share..=LARGEST).contains(&share) {
-                let off = (found.spot.at[0] - prediction.at[0]).hypot(found.spot.at[1] - prediction.at[1]);
-                let distance = off / prediction.gate;
-                // The gate is wide where markers stand apart; what counts is how far a dot is for the marker's own size too.
-                let cost = AT_GATE * distance * distance + AREA_WEIGHT * share.ln().powi(2);
-                pairs.push(Pair { track, dot, cost });
-            }
+            let off = (found.spot.at[0] - prediction.at[0]).hypot(found.spot.at[1] - prediction.at[1]);
+            let cost = cost(&tracks[track], found, off / prediction.gate, params);
+            pairs.extend(cost.map(|cost| Pair { track, dot, cost }));
         }
     }
     let dot_of = assign(&pairs, tracks.len(), dots.len(), ALONE);

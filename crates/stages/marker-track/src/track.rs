@@ -33,6 +33,8 @@ pub(crate) struct Track {
     /// Frames since it was last seen.
     pub(crate) hidden: f64,
     pub(crate) confidence: f64,
+    /// Where it was when it was labelled, px: with the neighbours' places then, it says where it belongs among them.
+    pub(crate) home: Option<[f64; 2]>,
 }
 
 /// Where a marker should be.
@@ -63,7 +65,8 @@ impl Prediction {
 impl Track {
     /// Puts the marker where a person saw it.
     pub(crate) fn set(&mut self, at: [f64; 2]) {
-        *self = Self { alive: true, at, confidence: LEAST_CONFIDENCE, hidden: 1.0, ..Self::default() };
+        let home = self.home;
+        *self = Self { alive: true, at, confidence: LEAST_CONFIDENCE, hidden: 1.0, home, ..Self::default() };
     }
 
     fn radius(&self) -> f64 {

@@ -3,7 +3,7 @@
 use crate::blobs::{self, Area, Blob};
 use crate::center::{Owners, Patch};
 use crate::dots::{Dot, dots};
-use crate::matching::{Matches, match_tracks};
+use crate::matching::{Lost, Matches, match_lost, match_tracks};
 use crate::paint::Paint;
 use crate::picture::Picture;
 use crate::predict::MotionField;
@@ -82,12 +82,13 @@ impl Tracker {
                 label.map(|(_, at)| Prediction::at(*at, 2.0 * LABEL_REACH_PX))
             })
             .collect();
-        tracker.follow(picture, &found, predictions, 0.0);
+        tracker.follow(picture, &found, predictions, &[], 0.0);
         // A label without a measurable dot still stands where it was put.
         for (track, at) in named {
             if !tracker.tracks[track].alive {
                 tracker.tracks[track].set(at);
             }
+            tracker.tracks[track].home = Some(tracker.tracks[track].at);
         }
         Ok(tracker)
     }
@@ -128,8 +129,17 @@ impl Tracker {
         for prediction in predictions.iter().flatten() {
             area.add(prediction.at, prediction.gate + prediction.radius + MARGIN_PX);
         }
+        let homes = self.homes(|track| predictions[track].as_ref().map(|p| p.at));
+        let is_lost = |track: usize| {
+            self.tracks[track].hidden > 0.0 && predictions[track].as_ref().is_some_and(|p| !p.guided)
+        };
+        let homes: Vec<Spread> = (0..homes.len())
+            .filter(|&track| is_lost(track))
+            .filter_map(|track| Some((homes[track]?, self.params.most_gate_px)))
+            .collect();
+        homes.iter().for_each(|(home, reach)| area.add(*home, reach + MARGIN_PX));
         let found = blobs::find(picture, &self.paint, &area);
-        self.follow(picture, &found, predictions, frames);
+        self.follow(picture, &found, predictions, &homes, frames);
         self.leave_image();
         Ok(self.samples())
     }
@@ -164,14 +174,17 @@ impl Tracker {
         picture: &Picture,
         found: &[Blob],
         mut predictions: Vec<Option<Prediction>>,
+        homes: &[Spread],
         frames: f64,
     ) {
         self.owners.enter(picture, found);
-        let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions);
+        let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions, homes);
         let all = dots(&patches, found, &[]);
         let motion = self.sure_motion(&all, &mut predictions);
         let all = dots(&patches, found, &predictions);
         let mut matches = match_tracks(&predictions, &self.tracks, all, &self.params);
+        let lost = self.lost(&predictions, &matches, &motion);
+        match_lost(&lost, &self.tracks, &mut matches, &self.params);
         self.mend(picture, found, &mut patches, &mut matches);
         self.owners.leave(found);
         for (index, track) in self.tracks.iter_mut().enumerate() {
@@ -220,6 +233,55 @@ impl Tracker {
         motion
     }
 
+    /// Where hidden markers belong among the others, which `place` knows: each as the labelled frame shows it, moved as its
+    /// neighbours there have moved since.
+    fn homes(&self, place: impl Fn(usize) -> Option<[f64; 2]>) -> Vec<Option<[f64; 2]>> {
+        let (mut places, mut moves) = (Vec::new(), Vec::new());
+        for (index, track) in self.tracks.iter().enumerate() {
+            if let (Some(home), Some(at)) = (track.home, place(index).filter(|_| track.hidden == 0.0)) {
+                places.push(home);
+                moves.push([at[0] - home[0], at[1] - home[1]]);
+            }
+        }
+        let field = MotionField::new(places, moves);
+        let home = |track: &Track| {
+            let home = track.home?;
+            field.at(home).map(|by| [home[0] + by[0], home[1] + by[1]])
+        };
+        self.tracks.iter().map(home).collect()
+    }
+
+    /// The markers without a dot, and where they may be: where the neighbours say that they went from where they were last seen,
+    /// and where they belong. After a blink, the first is wrong and the second right.
+    fn lost(&self, predictions: &[Option<Prediction>], matches: &Matches, motion: &MotionField) -> Vec<Lost> {
+        let is_lost = |track: usize| matches.dot_of[track].is_none() && self.tracks[track].alive;
+        let wanted: Vec<usize> = (0..self.tracks.len())
+            .filter(|&track| is_lost(track) && predictions[track].as_ref().is_some_and(|p| !p.guided))
+            .collect();
+        if wanted.is_empty() {
+            return Vec::new();
+        }
+        let homes = self.homes(|track| matches.dot_of[track].map(|dot| matches.dots[dot].spot.at));
+        let lost = |track: usize| {
+            let state = &self.tracks[track];
+            let stayed = motion.at(state.at).map(|by| [state.at[0] + by[0], state.at[1] + by[1]]);
+            let places: Vec<[f64; 2]> = stayed.into_iter().chain(homes[track]).collect();
+            let spacing = state.home.map_or(f64::INFINITY, |home| self.spacing(track, home));
+            let gate =
+                (self.params.gate * spacing).clamp(self.params.least_gate_px, self.params.most_gate_px);
+            Lost { track, places, gate }
+        };
+        wanted.into_iter().map(lost).collect()
+    }
+
+    /// From a marker's place in the labelled frame to the nearest other one's, px.
+    fn spacing(&self, track: usize, home: [f64; 2]) -> f64 {
+        let others = self.tracks.iter().enumerate().filter(|(other, _)| *other != track);
+        let away =
+            |(_, other): (usize, &Track)| other.home.map(|at| (at[0] - home[0]).hypot(at[1] - home[1]));
+        others.filter_map(away).fold(f64::INFINITY, f64::min)
+    }
+
     /// Puts dots together that fell into pieces: a matched dot that lacks area takes a piece beside it that nobody has.
     fn mend(&self, picture: &Picture, found: &[Blob], patches: &mut [Option<Patch>], matches: &mut Matches) {
         let taken: Vec<bool> = {
@@ -258,21 +320,24 @@ impl Tracker {
     }
 }
 
-/// The patches that a prediction may want.
+/// A place, and how far around it something is looked for, px.
+type Spread = ([f64; 2], f64);
+
+/// The patches that a prediction may want, or a marker that belongs there.
 fn cut_near(
     picture: &Picture,
     paint: &Paint,
     owners: &Owners,
     found: &[Blob],
     predictions: &[Option<Prediction>],
+    homes: &[Spread],
 ) -> Vec<Option<Patch>> {
+    let near = predictions.iter().flatten().map(|p| (p.at, p.gate + p.radius + 2.0));
+    let near: Vec<Spread> = near.chain(homes.iter().copied()).collect();
     let wanted = |blob: &Blob| {
         let [left, top, right, bottom] = blob.bounds.map(f64::from);
         let beside = |x: f64, low: f64, high: f64, reach: f64| x >= low - reach && x <= high + reach;
-        predictions.iter().flatten().any(|p| {
-            let reach = p.gate + p.radius + 2.0;
-            beside(p.at[0], left, right, reach) && beside(p.at[1], top, bottom, reach)
-        })
+        near.iter().any(|&([x, y], reach)| beside(x, left, right, reach) && beside(y, top, bottom, reach))
     };
     let cut = |(number, blob): (usize, &Blob)| match wanted(blob) {
         true => Patch::cut(picture, paint, owners, blob, &[number]),
