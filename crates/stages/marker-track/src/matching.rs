@@ -73,6 +73,9 @@ pub(crate) fn match_tracks(
         let Some(prediction) = prediction else { continue };
         for (dot, found) in dots.iter().enumerate().filter(|(_, dot)| prediction.reaches(dot.spot.at)) {
             let off = (found.spot.at[0] - prediction.at[0]).hypot(found.spot.at[1] - prediction.at[1]);
+            if prediction.guided && predictions.iter().flatten().any(|p| p.owns(found.spot.at, off)) {
+                continue;
+            }
             let cost = cost(&tracks[track], found, off / prediction.gate, params);
             pairs.extend(cost.map(|cost| Pair { track, dot, cost }));
         }

@@ -57,6 +57,11 @@ impl Prediction {
         Self { at, gate, radius: UNSEEN_RADIUS, guided: false, facing: true }
     }
 
+    /// Whether a marker that faces away is nearer to a dot than `off`: then the dot is what is left of that marker.
+    pub(crate) fn owns(&self, dot: [f64; 2], off: f64) -> bool {
+        !self.facing && (dot[0] - self.at[0]).hypot(dot[1] - self.at[1]) < off
+    }
+
     pub(crate) fn reaches(&self, place: [f64; 2]) -> bool {
         self.facing && (place[0] - self.at[0]).hypot(place[1] - self.at[1]) <= self.gate
     }

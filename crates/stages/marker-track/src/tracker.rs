@@ -18,6 +18,11 @@ const LABEL_REACH_PX: f64 = 3.0;
 /// Room in a search window beyond the gate: the dot itself, its fading rim, the skin around, px.
 const MARGIN_PX: f64 = 10.0;
 
+/// Dots without a label are looked for this far from those with one, px.
+const STRAY_REACH_PX: f64 = 40.0;
+/// A dot that nobody has is a lost marker's within this share of its gate: it may also be one without a label.
+const LOST_GATE: f64 = 0.5;
+
 /// Where the 3D markers say that a marker is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hint {
@@ -35,6 +40,8 @@ pub struct Tracker {
     size: [usize; 2],
     tracks: Vec<Track>,
     owners: Owners,
+    /// Dots of the latest image that no marker has.
+    strays: Vec<[f64; 2]>,
 }
 
 impl Tracker {
@@ -64,6 +71,7 @@ impl Tracker {
             size,
             tracks: vec![Track::default(); markers.len()],
             owners: Owners::default(),
+            strays: Vec::new(),
         };
         let named: Vec<(usize, [f64; 2])> = markers
             .iter()
@@ -82,7 +90,7 @@ impl Tracker {
                 label.map(|(_, at)| Prediction::at(*at, 2.0 * LABEL_REACH_PX))
             })
             .collect();
-        tracker.follow(picture, &found, predictions, &[], 0.0);
+        tracker.follow(picture, &found, predictions, &[], 0.0, false);
         // A label without a measurable dot still stands where it was put.
         for (track, at) in named {
             if !tracker.tracks[track].alive {
@@ -97,6 +105,13 @@ impl Tracker {
     #[must_use]
     pub fn paint(&self) -> &Paint {
         &self.paint
+    }
+
+    /// Dots of the latest image that no marker has, px: markers without a label, hands, stains. None are looked for if 3D
+    /// markers guide, or every marker is labelled.
+    #[must_use]
+    pub fn strays(&self) -> &[[f64; 2]] {
+        &self.strays
     }
 
     /// The samples of the latest image: per marker its place; none for one that was never found.
@@ -138,8 +153,12 @@ impl Tracker {
             .filter_map(|track| Some((homes[track]?, self.params.most_gate_px)))
             .collect();
         homes.iter().for_each(|(home, reach)| area.add(*home, reach + MARGIN_PX));
+        let with_strays = hints.is_none() && self.tracks.iter().any(|track| track.home.is_none());
+        if with_strays {
+            predictions.iter().flatten().for_each(|prediction| area.add(prediction.at, STRAY_REACH_PX));
+        }
         let found = blobs::find(picture, &self.paint, &area);
-        self.follow(picture, &found, predictions, &homes, frames);
+        self.follow(picture, &found, predictions, &homes, frames, with_strays);
         self.leave_image();
         Ok(self.samples())
     }
@@ -176,6 +195,7 @@ impl Tracker {
         mut predictions: Vec<Option<Prediction>>,
         homes: &[Spread],
         frames: f64,
+        with_strays: bool,
     ) {
         self.owners.enter(picture, found);
         let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions, homes);
@@ -186,6 +206,10 @@ impl Tracker {
         let lost = self.lost(&predictions, &matches, &motion);
         match_lost(&lost, &self.tracks, &mut matches, &self.params);
         self.mend(picture, found, &mut patches, &mut matches);
+        self.strays.clear();
+        if with_strays {
+            self.strays = self.find_strays(picture, found, &patches, &matches);
+        }
         self.owners.leave(found);
         for (index, track) in self.tracks.iter_mut().enumerate() {
             let Some(prediction) = &predictions[index] else { continue };
@@ -267,8 +291,8 @@ impl Tracker {
             let stayed = motion.at(state.at).map(|by| [state.at[0] + by[0], state.at[1] + by[1]]);
             let places: Vec<[f64; 2]> = stayed.into_iter().chain(homes[track]).collect();
             let spacing = state.home.map_or(f64::INFINITY, |home| self.spacing(track, home));
-            let gate =
-                (self.params.gate * spacing).clamp(self.params.least_gate_px, self.params.most_gate_px);
+            let gate = (LOST_GATE * self.params.gate * spacing)
+                .clamp(self.params.least_gate_px, self.params.most_gate_px);
             Lost { track, places, gate }
         };
         wanted.into_iter().map(lost).collect()
@@ -308,6 +332,28 @@ impl Tracker {
                 patches[piece] = None;
             }
         }
+    }
+
+    /// The dots that nobody has.
+    fn find_strays(
+        &self,
+        picture: &Picture,
+        found: &[Blob],
+        patches: &[Option<Patch>],
+        matches: &Matches,
+    ) -> Vec<[f64; 2]> {
+        let mut taken = vec![false; found.len()];
+        matches.dot_of.iter().flatten().for_each(|&dot| taken[matches.dots[dot].blob] = true);
+        let stray = |(number, blob): (usize, &Blob)| {
+            let cut = || Patch::cut(picture, &self.paint, &self.owners, blob, &[number])?.spot();
+            let spot = match &patches[number] {
+                Some(patch) => patch.spot(),
+                None => cut(),
+            };
+            spot.map(|spot| spot.at)
+        };
+        let free = found.iter().enumerate().filter(|(number, blob)| !taken[*number] && blob.is_dot());
+        free.filter_map(stray).collect()
     }
 
     /// Forgets hidden markers whose prediction has left the image.
