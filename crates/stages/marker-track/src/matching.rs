@@ -4,6 +4,7 @@ use crate::Params;
 use crate::assign::{Pair, assign};
 use crate::dots::Dot;
 use crate::track::{Prediction, Track};
+use crate::tracker::Stray;
 
 /// Cost at the edge of the gate.
 const AT_GATE: f64 = 9.0;
@@ -30,7 +31,15 @@ pub(crate) struct Lost {
 }
 
 /// Assigns dots that nobody has to markers that have none, by the nearest of their places.
-pub(crate) fn match_lost(lost: &[Lost], tracks: &[Track], matches: &mut Matches, params: &Params) {
+///
+/// A dot that was there without a name before a marker was lost is not that marker's.
+pub(crate) fn match_lost(
+    lost: &[Lost],
+    tracks: &[Track],
+    guards: &[Stray],
+    matches: &mut Matches,
+    params: &Params,
+) {
     let mut free = vec![true; matches.dots.len()];
     matches.dot_of.iter().flatten().for_each(|&dot| free[dot] = false);
     let mut pairs = Vec::new();
@@ -38,7 +47,10 @@ pub(crate) fn match_lost(lost: &[Lost], tracks: &[Track], matches: &mut Matches,
         for (dot, found) in matches.dots.iter().enumerate().filter(|(dot, _)| free[*dot]) {
             let away = |at: &[f64; 2]| (found.spot.at[0] - at[0]).hypot(found.spot.at[1] - at[1]);
             let off = marker.places.iter().map(away).fold(f64::INFINITY, f64::min) / marker.gate;
-            if off <= 1.0 {
+            let is_older = |guard: &Stray| {
+                guard.age >= tracks[marker.track].hidden && guard.is_near(found.spot.at, params.least_gate_px)
+            };
+            if off <= 1.0 && !guards.iter().any(is_older) {
                 pairs.extend(cost(&tracks[marker.track], found, off, params).map(|cost| Pair {
                     track: marker.track,
                     dot,
@@ -61,11 +73,13 @@ fn cost(track: &Track, dot: &Dot, off: f64, params: &Params) -> Option<f64> {
         .then(|| AT_GATE * off * off + AREA_WEIGHT * share.ln().powi(2))
 }
 
-/// Assigns dots to tracks.
+/// Assigns dots to tracks. The `guards` stand for dots that no marker had in the image before: they take part, lest a marker that
+/// was expected elsewhere takes such a dot.
 pub(crate) fn match_tracks(
     predictions: &[Option<Prediction>],
     tracks: &[Track],
     dots: Vec<Dot>,
+    guards: &[Stray],
     params: &Params,
 ) -> Matches {
     let mut pairs = Vec::new();
@@ -80,6 +94,16 @@ pub(crate) fn match_tracks(
             pairs.extend(cost.map(|cost| Pair { track, dot, cost }));
         }
     }
-    let dot_of = assign(&pairs, tracks.len(), dots.len(), ALONE);
+    for (number, guard) in guards.iter().enumerate() {
+        for (dot, found) in dots.iter().enumerate() {
+            if guard.is_near(found.spot.at, params.least_gate_px) {
+                let off = [0, 1].map(|k| (found.spot.at[k] - guard.at[k]) / params.least_gate_px);
+                let cost = AT_GATE * (off[0] * off[0] + off[1] * off[1]);
+                pairs.push(Pair { track: tracks.len() + number, dot, cost });
+            }
+        }
+    }
+    let mut dot_of = assign(&pairs, tracks.len() + guards.len(), dots.len(), ALONE);
+    dot_of.truncate(tracks.len());
     Matches { dots, dot_of }
 }

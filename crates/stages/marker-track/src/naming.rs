@@ -22,7 +22,7 @@ const RIDGE: f64 = 1e-7;
 /// Pairs of cameras that place known markers worse than this place no unknown ones, px.
 const WORST_PX: f64 = 1.5;
 /// A dot is a marker's within this distance, px,
-const REACH_PX: f64 = 3.0;
+const REACH_PX: f64 = 2.0;
 /// … if no dot nor other marker is nearer than this many times that distance.
 const ALONE: f64 = 2.0;
 /// Points less sure than this teach nothing and place nothing.

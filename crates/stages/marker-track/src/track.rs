@@ -63,7 +63,8 @@ impl Prediction {
     }
 
     pub(crate) fn reaches(&self, place: [f64; 2]) -> bool {
-        self.facing && (place[0] - self.at[0]).hypot(place[1] - self.at[1]) <= self.gate
+        let off = [place[0] - self.at[0], place[1] - self.at[1]];
+        self.facing && off[0] * off[0] + off[1] * off[1] <= self.gate * self.gate
     }
 }
 

@@ -41,7 +41,22 @@ pub struct Tracker {
     tracks: Vec<Track>,
     owners: Owners,
     /// Dots of the latest image that no marker has.
-    strays: Vec<[f64; 2]>,
+    strays: Vec<Stray>,
+}
+
+/// A dot that no marker has.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stray {
+    /// px
+    pub(crate) at: [f64; 2],
+    /// Frames since it was first seen; those of the labelled image were always there.
+    pub(crate) age: f64,
+}
+
+impl Stray {
+    pub(crate) fn is_near(&self, at: [f64; 2], reach: f64) -> bool {
+        (self.at[0] - at[0]).powi(2) + (self.at[1] - at[1]).powi(2) <= reach * reach
+    }
 }
 
 impl Tracker {
@@ -90,7 +105,8 @@ impl Tracker {
                 label.map(|(_, at)| Prediction::at(*at, 2.0 * LABEL_REACH_PX))
             })
             .collect();
-        tracker.follow(picture, &found, predictions, &[], 0.0, false);
+        let with_strays = named.len() < markers.len();
+        tracker.follow(picture, &found, predictions, &[], 0.0, with_strays);
         // A label without a measurable dot still stands where it was put.
         for (track, at) in named {
             if !tracker.tracks[track].alive {
@@ -110,8 +126,8 @@ impl Tracker {
     /// Dots of the latest image that no marker has, px: markers without a label, hands, stains. None are looked for if 3D
     /// markers guide, or every marker is labelled.
     #[must_use]
-    pub fn strays(&self) -> &[[f64; 2]] {
-        &self.strays
+    pub fn strays(&self) -> Vec<[f64; 2]> {
+        self.strays.iter().map(|stray| stray.at).collect()
     }
 
     /// The samples of the latest image: per marker its place; none for one that was never found.
@@ -153,6 +169,7 @@ impl Tracker {
             .filter_map(|track| Some((homes[track]?, self.params.most_gate_px)))
             .collect();
         homes.iter().for_each(|(home, reach)| area.add(*home, reach + MARGIN_PX));
+        self.strays.retain(|_| hints.is_none());
         let with_strays = hints.is_none() && self.tracks.iter().any(|track| track.home.is_none());
         if with_strays {
             predictions.iter().flatten().for_each(|prediction| area.add(prediction.at, STRAY_REACH_PX));
@@ -179,8 +196,8 @@ impl Tracker {
         for (track, prediction) in self.tracks.iter().zip(&mut predictions) {
             if let Some(prediction) = prediction.as_mut().filter(|p| !p.guided) {
                 let at = prediction.at;
-                let others = places.iter().map(|p| (p[0] - at[0]).hypot(p[1] - at[1])).filter(|d| *d > 0.0);
-                let spacing = others.fold(f64::INFINITY, f64::min);
+                let others = places.iter().map(|p| (p[0] - at[0]).powi(2) + (p[1] - at[1]).powi(2));
+                let spacing = others.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min).sqrt();
                 prediction.gate = track.gate(spacing, frames, &self.params);
             }
         }
@@ -202,13 +219,20 @@ impl Tracker {
         let all = dots(&patches, found, &[]);
         let motion = self.sure_motion(&all, &mut predictions);
         let all = dots(&patches, found, &predictions);
-        let mut matches = match_tracks(&predictions, &self.tracks, all, &self.params);
+        let guards = self.guards(&motion);
+        let mut matches = match_tracks(&predictions, &self.tracks, all, &guards, &self.params);
         let lost = self.lost(&predictions, &matches, &motion);
-        match_lost(&lost, &self.tracks, &mut matches, &self.params);
+        match_lost(&lost, &self.tracks, &guards, &mut matches, &self.params);
         self.mend(picture, found, &mut patches, &mut matches);
-        self.strays.clear();
         if with_strays {
-            self.strays = self.find_strays(picture, found, &patches, &matches);
+            let strays = self.find_strays(picture, found, &patches, &matches);
+            let age = |at: [f64; 2]| {
+                let near = guards.iter().filter(|guard| guard.is_near(at, self.params.least_gate_px));
+                near.map(|guard| guard.age + frames).fold(0.0, f64::max)
+            };
+            // What the labelled image shows without a name is no marker that was lost later.
+            let first = if frames == 0.0 { f64::INFINITY } else { 0.0 };
+            self.strays = strays.into_iter().map(|at| Stray { at, age: first + age(at) }).collect();
         }
         self.owners.leave(found);
         for (index, track) in self.tracks.iter_mut().enumerate() {
@@ -332,6 +356,15 @@ impl Tracker {
                 patches[piece] = None;
             }
         }
+    }
+
+    /// Where the dots that no marker had must be by now, if they went with their neighbours.
+    fn guards(&self, motion: &MotionField) -> Vec<Stray> {
+        let moved = |stray: &Stray| {
+            let by = motion.at(stray.at).unwrap_or_default();
+            Stray { at: [stray.at[0] + by[0], stray.at[1] + by[1]], age: stray.age }
+        };
+        self.strays.iter().map(moved).collect()
     }
 
     /// The dots that nobody has.

@@ -66,7 +66,7 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
                 .tracker
                 .step(&image.picture()?, frames, hints.as_deref())
                 .with_context(|| format!("camera {}, frame {}", camera.id, plan.numbers[index]))?;
-            camera.strays[index] = camera.tracker.strays().to_vec();
+            camera.strays[index] = camera.tracker.strays();
             (camera.samples[index], camera.last) = (Some(samples), index);
         }
         Ok(())
