@@ -30,6 +30,8 @@ pub(crate) struct Track {
     velocity: [f64; 2],
     /// Its usual area, px².
     pub(crate) area: Option<f64>,
+    /// Its area when it was last seen, px².
+    last_area: Option<f64>,
     /// Frames since it was last seen.
     pub(crate) hidden: f64,
     pub(crate) confidence: f64,
@@ -46,6 +48,8 @@ pub(crate) struct Prediction {
     pub(crate) gate: f64,
     /// Usual radius of the dot, px.
     pub(crate) radius: f64,
+    /// Its area as of late, px².
+    pub(crate) area: f64,
     /// Whether 3D markers say so.
     pub(crate) guided: bool,
     /// Whether the dot can be seen; known of guided markers only.
@@ -54,7 +58,8 @@ pub(crate) struct Prediction {
 
 impl Prediction {
     pub(crate) fn at(at: [f64; 2], gate: f64) -> Self {
-        Self { at, gate, radius: UNSEEN_RADIUS, guided: false, facing: true }
+        let area = std::f64::consts::PI * UNSEEN_RADIUS * UNSEEN_RADIUS;
+        Self { at, gate, radius: UNSEEN_RADIUS, area, guided: false, facing: true }
     }
 
     /// Whether a marker that faces away is nearer to a dot than `off`: then the dot is what is left of that marker.
@@ -79,18 +84,25 @@ impl Track {
         self.area.map_or(UNSEEN_RADIUS, |area| (area / std::f64::consts::PI).sqrt())
     }
 
+    /// Its area when it was last seen, if that was in the image before, or else the usual one, px².
+    fn late_area(&self) -> f64 {
+        let late = self.last_area.filter(|_| self.hidden == 0.0);
+        late.unwrap_or(std::f64::consts::PI * self.radius() * self.radius())
+    }
+
     /// At constant velocity; a hidden marker stands still until its neighbours tell.
     pub(crate) fn predicted(&self, frames: f64) -> Prediction {
         let steps = if self.hidden > 0.0 { 0.0 } else { frames };
         let at = std::array::from_fn(|k| self.at[k] + steps * self.velocity[k]);
-        Prediction { radius: self.radius(), ..Prediction::at(at, 0.0) }
+        Prediction { radius: self.radius(), area: self.late_area(), ..Prediction::at(at, 0.0) }
     }
 
     /// Where 3D markers say.
     pub(crate) fn guided(&self, hint: Hint, gate: f64) -> Prediction {
         // What is seen can be seen, whatever the patch of markers around it says.
         let facing = hint.facing || (self.alive && self.hidden == 0.0);
-        Prediction { at: hint.at, gate, radius: self.radius(), guided: true, facing }
+        let (radius, area) = (self.radius(), self.late_area());
+        Prediction { at: hint.at, gate, radius, area, guided: true, facing }
     }
 
     /// How far from its prediction the marker is looked for, with the next one `spacing` away.
@@ -122,6 +134,7 @@ impl Track {
             self.area = Some(self.area.map_or(dot.spot.area, |usual| usual + rate * (dot.spot.area - usual)));
         }
         (self.alive, self.at, self.hidden) = (true, at, 0.0);
+        self.last_area = Some(dot.spot.area);
     }
 
     /// The marker is not to be seen; it goes with its prediction, or where its neighbours go.

@@ -1,7 +1,7 @@
 //! From image to image: predict, find dots, assign them, and remember.
 
 use crate::blobs::{self, Area, Blob};
-use crate::center::{Owners, Patch};
+use crate::center::{Owners, Patch, Spot};
 use crate::dots::{Dot, dots};
 use crate::matching::{Lost, Matches, match_lost, match_tracks};
 use crate::paint::Paint;
@@ -49,6 +49,8 @@ pub struct Tracker {
 pub(crate) struct Stray {
     /// px
     pub(crate) at: [f64; 2],
+    /// px²
+    pub(crate) area: f64,
     /// Frames since it was first seen; those of the labelled image were always there.
     pub(crate) age: f64,
 }
@@ -216,10 +218,10 @@ impl Tracker {
     ) {
         self.owners.enter(picture, found);
         let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions, homes);
-        let all = dots(&patches, found, &[]);
+        let all = dots(&patches, found, &[], &[]);
         let motion = self.sure_motion(&all, &mut predictions);
-        let all = dots(&patches, found, &predictions);
         let guards = self.guards(&motion);
+        let all = dots(&patches, found, &predictions, &guards);
         let mut matches = match_tracks(&predictions, &self.tracks, all, &guards, &self.params);
         let lost = self.lost(&predictions, &matches, &motion);
         match_lost(&lost, &self.tracks, &guards, &mut matches, &self.params);
@@ -232,7 +234,8 @@ impl Tracker {
             };
             // What the labelled image shows without a name is no marker that was lost later.
             let first = if frames == 0.0 { f64::INFINITY } else { 0.0 };
-            self.strays = strays.into_iter().map(|at| Stray { at, age: first + age(at) }).collect();
+            let stray = |Spot { at, area }| Stray { at, area, age: first + age(at) };
+            self.strays = strays.into_iter().map(stray).collect();
         }
         self.owners.leave(found);
         for (index, track) in self.tracks.iter_mut().enumerate() {
@@ -362,7 +365,7 @@ impl Tracker {
     fn guards(&self, motion: &MotionField) -> Vec<Stray> {
         let moved = |stray: &Stray| {
             let by = motion.at(stray.at).unwrap_or_default();
-            Stray { at: [stray.at[0] + by[0], stray.at[1] + by[1]], age: stray.age }
+            Stray { at: [stray.at[0] + by[0], stray.at[1] + by[1]], ..*stray }
         };
         self.strays.iter().map(moved).collect()
     }
@@ -374,19 +377,14 @@ impl Tracker {
         found: &[Blob],
         patches: &[Option<Patch>],
         matches: &Matches,
-    ) -> Vec<[f64; 2]> {
-        let mut taken = vec![false; found.len()];
-        matches.dot_of.iter().flatten().for_each(|&dot| taken[matches.dots[dot].blob] = true);
-        let stray = |(number, blob): (usize, &Blob)| {
-            let cut = || Patch::cut(picture, &self.paint, &self.owners, blob, &[number])?.spot();
-            let spot = match &patches[number] {
-                Some(patch) => patch.spot(),
-                None => cut(),
-            };
-            spot.map(|spot| spot.at)
-        };
-        let free = found.iter().enumerate().filter(|(number, blob)| !taken[*number] && blob.is_dot());
-        free.filter_map(stray).collect()
+    ) -> Vec<Spot> {
+        let mut taken = vec![false; matches.dots.len()];
+        matches.dot_of.iter().flatten().for_each(|&dot| taken[dot] = true);
+        let near = matches.dots.iter().zip(taken).filter(|(_, taken)| !taken).map(|(dot, _)| dot);
+        let near = near.filter(|dot| found[dot.blob].is_dot()).map(|dot| dot.spot);
+        let far = (0..found.len()).filter(|&number| patches[number].is_none() && found[number].is_dot());
+        let cut = |number| Patch::cut(picture, &self.paint, &self.owners, &found[number], &[number])?.spot();
+        near.chain(far.filter_map(cut)).collect()
     }
 
     /// Forgets hidden markers whose prediction has left the image.
