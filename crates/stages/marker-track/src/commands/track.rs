@@ -90,7 +90,10 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let markers: Vec<String> = markers.into_iter().cloned().collect();
     let Some(first) = numbers.iter().position(|&number| number == labels.frame) else {
         let file = arguments.labels.display();
-        bail!("{file}: labels frame {}, which the take has not", labels.frame);
+        bail!(
+            "{file}: labels frame {}, which the take has not\n  to do: label a frame of the take",
+            labels.frame
+        );
     };
     let mut cameras = start(arguments, &params, &labels, &footage, &markers, first)?;
     let header = Tracks2dHeader {
