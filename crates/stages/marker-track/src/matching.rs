@@ -87,7 +87,12 @@ pub(crate) fn match_tracks(
         let Some(prediction) = prediction else { continue };
         for (dot, found) in dots.iter().enumerate().filter(|(_, dot)| prediction.reaches(dot.spot.at)) {
             let off = (found.spot.at[0] - prediction.at[0]).hypot(found.spot.at[1] - prediction.at[1]);
-            if prediction.guided && predictions.iter().flatten().any(|p| p.owns(found.spot.at, off)) {
+            let unsure = !tracks[track].alive || tracks[track].hidden > 0.0;
+            let rivals = predictions.iter().enumerate().filter(|(other, _)| *other != track);
+            let is_rivals = |(_, rival): (usize, &Option<Prediction>)| {
+                rival.as_ref().is_some_and(|rival| rival.owns(found.spot.at, off, unsure))
+            };
+            if prediction.guided && rivals.into_iter().any(is_rivals) {
                 continue;
             }
             let cost = cost(&tracks[track], found, off / prediction.gate, params);

@@ -16,6 +16,8 @@ const HALF_LIFE: f64 = 5.0;
 const LEAST_CONFIDENCE: f64 = 0.01;
 /// Dots that touch are shared out by guess.
 const SHARED_CONFIDENCE: f64 = 0.7;
+/// A marker that was hidden takes a dot only if no other guide is nearer to it than this many times its own.
+const UNSURE: f64 = 1.5;
 /// Radius of a dot that was never seen, px.
 const UNSEEN_RADIUS: f64 = 3.0;
 
@@ -62,9 +64,11 @@ impl Prediction {
         Self { at, gate, radius: UNSEEN_RADIUS, area, guided: false, facing: true }
     }
 
-    /// Whether a marker that faces away is nearer to a dot than `off`: then the dot is what is left of that marker.
-    pub(crate) fn owns(&self, dot: [f64; 2], off: f64) -> bool {
-        !self.facing && (dot[0] - self.at[0]).hypot(dot[1] - self.at[1]) < off
+    /// Whether a dot that another marker finds `off` from its guide may be this one's instead: nearer to it although it faces away,
+    /// or, if the other was hidden just now, nearly as near.
+    pub(crate) fn owns(&self, dot: [f64; 2], off: f64, unsure: bool) -> bool {
+        let away = (dot[0] - self.at[0]).hypot(dot[1] - self.at[1]);
+        (!self.facing && away < off) || (unsure && self.guided && away < UNSURE * off)
     }
 
     pub(crate) fn reaches(&self, place: [f64; 2]) -> bool {
