@@ -6,6 +6,11 @@ use crate::picture::Picture;
 /// Side of a tile, px.
 const TILE: usize = 16;
 
+/// Fewer painted pixels are no dot.
+const LEAST_PIXELS: usize = 4;
+/// A dot has a pixel of at least this cover.
+const LEAST_PEAK: f64 = 0.4;
+
 /// Which tiles of an image are to be searched.
 #[derive(Debug, Clone)]
 pub(crate) struct Area {
@@ -200,6 +205,11 @@ impl Blob {
     /// Pixels of the mask.
     pub(crate) fn pixels(&self) -> usize {
         self.runs.iter().map(|run| (run.end - run.first) as usize).sum()
+    }
+
+    /// Whether it is more than a stray pixel or two of nearly the right colour.
+    pub(crate) fn is_dot(&self) -> bool {
+        self.pixels() >= LEAST_PIXELS && self.peak >= LEAST_PEAK
     }
 
     /// The same patch with another one's pixels, for a dot that fell apart.

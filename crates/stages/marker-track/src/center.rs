@@ -3,7 +3,7 @@
 //! The middle is the centroid of the painted *area*. So each pixel counts by how much of it is paint, not by how bright it is.
 
 use crate::blobs::Blob;
-use crate::matte::Surroundings;
+use crate::matte::Ground;
 use crate::paint::Paint;
 use crate::picture::Picture;
 use nalgebra::Vector3;
@@ -11,11 +11,11 @@ use nalgebra::Vector3;
 /// Paint fades over this many pixels beyond the mask: lens blur, and the pixel's own width.
 const FADE: usize = 2;
 /// Beyond that come so many pixels of surroundings.
-const RING: usize = 3;
+const RING: usize = 2;
 /// Dots are smaller than this on either side, px.
 const LARGEST: usize = 96;
 /// Less cover than this is taken for what the surroundings were mistaken by; what is beyond full cover, and a gleam, is cut.
-const COVER: [f64; 2] = [0.15, 1.4];
+const COVER: [f64; 2] = [0.15, 1.1];
 /// Rounds in which a patch of touching dots is shared out.
 const ROUNDS: usize = 6;
 
@@ -95,19 +95,14 @@ impl Patch {
         let window = Window::around(picture, blob)?;
         let parts = window.parts(owners, numbers);
         let colors = window.colors(picture, paint);
-        let offset = |index: usize| {
+        let ground = Ground::of(&parts, &colors, window.width, paint)?;
+        let own: Vec<usize> = (0..parts.len()).filter(|&i| parts[i] == Part::Own).collect();
+        let covers = ground.covers(&own, &colors, paint);
+        let pixel = |(&index, cover): (&usize, f64)| {
             let [x, y] = window.place(index);
-            [x - blob.middle[0], y - blob.middle[1]]
+            [x, y, certain(cover), cover.clamp(0.0, 1.0)]
         };
-        let around = Surroundings::of(&parts, &colors, offset, paint)?;
-        let mut pixels = Vec::with_capacity(window.width * window.height);
-        for (index, (part, color)) in parts.iter().zip(&colors).enumerate() {
-            if *part == Part::Own {
-                let [x, y] = window.place(index);
-                let cover = around.cover(color, offset(index));
-                pixels.push([x, y, certain(cover), cover.clamp(0.0, 1.0)]);
-            }
-        }
+        let pixels = own.iter().zip(covers).map(pixel).collect();
         Some(Self { pixels })
     }
 

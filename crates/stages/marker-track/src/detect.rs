@@ -4,10 +4,6 @@ use crate::blobs::{self, Area};
 use crate::center::{Owners, Patch};
 use crate::{Error, Paint, Picture};
 
-/// Fewer painted pixels are no dot.
-const LEAST_PIXELS: usize = 4;
-/// A dot has a pixel of at least this cover.
-const LEAST_PEAK: f64 = 0.4;
 /// Dots whose colour is within this of a stated one start the search, 8-bit codes.
 const NEAR_CODES: i32 = 48;
 
@@ -26,13 +22,12 @@ pub fn detect(picture: &Picture, paint: &Paint) -> Vec<Found> {
     let blobs = blobs::find(picture, paint, &Area::everything(picture));
     let mut owners = Owners::default();
     owners.enter(picture, &blobs);
-    let is_dot = |blob: &blobs::Blob| blob.pixels() >= LEAST_PIXELS && blob.peak >= LEAST_PEAK;
     let spot =
         |(number, blob): (usize, &blobs::Blob)| Patch::cut(picture, paint, &owners, blob, &[number])?.spot();
     blobs
         .iter()
         .enumerate()
-        .filter(|(_, blob)| is_dot(blob))
+        .filter(|(_, blob)| blob.is_dot())
         .filter_map(spot)
         .map(|spot| Found { at: spot.at, area: spot.area })
         .collect()

@@ -3,6 +3,7 @@
 use crate::blobs::Blob;
 use crate::center::{Patch, Spot};
 use crate::track::Prediction;
+use crate::tracker::Stray;
 
 /// Markers are expected in a patch if their prediction lies this near to its pixels, px.
 const INSIDE_PX: f64 = 1.5;
@@ -24,6 +25,7 @@ pub(crate) fn dots(
     patches: &[Option<Patch>],
     found: &[Blob],
     predictions: &[Option<Prediction>],
+    guards: &[Stray],
 ) -> Vec<Dot> {
     let mut all = Vec::new();
     for (blob, patch) in patches.iter().enumerate() {
@@ -33,7 +35,13 @@ pub(crate) fn dots(
             .iter()
             .flatten()
             .filter(|p| p.facing && is_beside(&found[blob], p.at))
-            .map(|p| Spot { at: p.at, area: std::f64::consts::PI * p.radius * p.radius })
+            .map(|p| Spot { at: p.at, area: p.area })
+            .chain(
+                guards
+                    .iter()
+                    .map(|guard| Spot { at: guard.at, area: guard.area })
+                    .filter(|spot| is_beside(&found[blob], spot.at)),
+            )
             .collect();
         let largest = expected.iter().map(|spot| spot.area).fold(0.0, f64::max);
         if expected.len() >= 2 && whole.area > SEVERAL * largest {

@@ -46,7 +46,7 @@ pub enum Error {
     #[error("no pixel shows the color #{:02x}{:02x}{:02x}\n  to do: take the color of a dot from the image itself", .0[0], .0[1], .0[2])]
     NoColor([u8; 3]),
     /// A label outside the image.
-    #[error("marker {marker}: the label at ({:.1}, {:.1}) lies outside the image, {} × {} px", .at[0], .at[1], .size[0], .size[1])]
+    #[error("marker {marker}: the label at ({:.1}, {:.1}) lies outside the image, {} × {} px\n  to do: label it where it is, or take the label out", .at[0], .at[1], .size[0], .size[1])]
     Outside {
         /// The marker.
         marker: String,
@@ -56,7 +56,7 @@ pub enum Error {
         size: [usize; 2],
     },
     /// A label with no dot under it.
-    #[error("marker {marker}: no dot lies at the label ({:.1}, {:.1}); {}", .at[0], .at[1], nearest_words(.nearest))]
+    #[error("marker {marker}: no dot lies at the label ({:.1}, {:.1}); {}\n  to do: put the label on its dot, or take it out; marker-track detect draws what is found", .at[0], .at[1], nearest_words(.nearest))]
     NoBlob {
         /// The marker.
         marker: String,

@@ -8,7 +8,10 @@
 //! 2. *Find*: painted pixels around the predictions, by a table over ratios of linear light; connected patches; the centroid of
 //!    the painted *area* of each, whatever the light and whatever the dot lies on. Touching dots are shared out.
 //! 3. *Assign*: one assignment of least total cost per image, not greedily.
-//! 4. *Remember*: a marker without a dot is predicted, goes with its neighbours, and is found again near its prediction.
+//! 4. *Remember*: a marker without a dot is predicted, goes with its neighbours, and is found again near its prediction, or where
+//!    it belongs among them. Dots without a name are followed too, lest they are taken for others.
+//!
+//! When all cameras are done, [`name_strays`] names such dots by what other cameras see.
 //!
 //! [`detect`] finds dots without names, [`Edits`] replays corrections made by hand.
 //!
@@ -42,6 +45,7 @@ mod error;
 mod guide;
 mod matching;
 mod matte;
+mod naming;
 mod paint;
 mod params;
 mod picture;
@@ -55,6 +59,7 @@ pub use draw::Canvas;
 pub use edits::Edits;
 pub use error::Error;
 pub use guide::hints;
+pub use naming::{Strays, name_strays};
 pub use paint::Paint;
 pub use params::Params;
 pub use picture::Picture;

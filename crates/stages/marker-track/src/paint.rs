@@ -26,6 +26,11 @@ const STEPS: usize = 48;
 const NARROW: f64 = 0.09;
 /// … and at full coverage, at least and at most; between them, four times the spread of the labelled dots.
 const WIDE: [f64; 2] = [0.25, 0.6];
+/// What lies this far beyond a dot's radius, px, in so many directions, may show through at its rim; as much of a pixel must be
+/// paint then.
+const GROUND_PX: f64 = 2.5;
+const DIRECTIONS: u32 = 12;
+const GROUND_COVERAGE: f64 = 0.4;
 /// A colour is not paint's if the labelled image shows it elsewhere so many times as often as on labelled dots: unlabelled
 /// dots may be as frequent as three to each labelled one.
 const ELSEWHERE: u32 = 4;
@@ -89,6 +94,7 @@ impl Paint {
             paint.stamp(sample.around, least_coverage, wide, &mut nearest);
         }
         let radius = paint.typical_radius(picture, &places, reach);
+        paint.stamp_grounds(picture, &places, radius + GROUND_PX, wide, &mut nearest);
         if places.len() >= ENOUGH {
             paint.unlearn(picture, &places, radius);
         }
@@ -121,6 +127,36 @@ impl Paint {
         };
         // Both are in range by the choice of the cell; the mask says so to the compiler.
         (cell(r) * SIDE + cell(b)) & (SIDE * SIDE - 1)
+    }
+
+    /// Enters the curves from what lies close to each dot, which may be another paint; each colour once.
+    fn stamp_grounds(
+        &mut self,
+        picture: &Picture,
+        places: &[[f64; 2]],
+        radius: f64,
+        wide: f64,
+        nearest: &mut [f64],
+    ) {
+        let here = ratios(self.color, self.floor);
+        let mut done = vec![false; SIDE * SIDE];
+        for at in places {
+            for direction in 0..DIRECTIONS {
+                let turn = std::f64::consts::TAU * f64::from(direction) / f64::from(DIRECTIONS);
+                let [x, y] = [at[0] + radius * turn.cos(), at[1] + radius * turn.sin()];
+                if !picture.contains([x, y]) {
+                    continue;
+                }
+                let codes = picture.at(x.round().max(0.0) as usize, y.round().max(0.0) as usize);
+                let place = self.place(codes);
+                let ground = codes.map(|code| f64::from(self.light[usize::from(code)]));
+                let there = ratios(ground, self.floor);
+                if !done[place] && apart([there[0] - here[0], there[1] - here[1]]) >= LEAST_CONTRAST {
+                    done[place] = true;
+                    self.stamp(ground, GROUND_COVERAGE, wide, nearest);
+                }
+            }
+        }
     }
 
     /// Enters the curve from a surrounding to the paint into the table.

@@ -16,6 +16,8 @@ const HALF_LIFE: f64 = 5.0;
 const LEAST_CONFIDENCE: f64 = 0.01;
 /// Dots that touch are shared out by guess.
 const SHARED_CONFIDENCE: f64 = 0.7;
+/// A marker that was hidden takes a dot only if no other guide is nearer to it than this many times its own.
+const UNSURE: f64 = 1.5;
 /// Radius of a dot that was never seen, px.
 const UNSEEN_RADIUS: f64 = 3.0;
 
@@ -30,9 +32,13 @@ pub(crate) struct Track {
     velocity: [f64; 2],
     /// Its usual area, px².
     pub(crate) area: Option<f64>,
+    /// Its area when it was last seen, px².
+    last_area: Option<f64>,
     /// Frames since it was last seen.
     pub(crate) hidden: f64,
     pub(crate) confidence: f64,
+    /// Where it was when it was labelled, px: with the neighbours' places then, it says where it belongs among them.
+    pub(crate) home: Option<[f64; 2]>,
 }
 
 /// Where a marker should be.
@@ -44,6 +50,8 @@ pub(crate) struct Prediction {
     pub(crate) gate: f64,
     /// Usual radius of the dot, px.
     pub(crate) radius: f64,
+    /// Its area as of late, px².
+    pub(crate) area: f64,
     /// Whether 3D markers say so.
     pub(crate) guided: bool,
     /// Whether the dot can be seen; known of guided markers only.
@@ -52,36 +60,53 @@ pub(crate) struct Prediction {
 
 impl Prediction {
     pub(crate) fn at(at: [f64; 2], gate: f64) -> Self {
-        Self { at, gate, radius: UNSEEN_RADIUS, guided: false, facing: true }
+        let area = std::f64::consts::PI * UNSEEN_RADIUS * UNSEEN_RADIUS;
+        Self { at, gate, radius: UNSEEN_RADIUS, area, guided: false, facing: true }
+    }
+
+    /// Whether a dot that another marker finds `off` from its guide may be this one's instead: nearer to it although it faces away,
+    /// or, if the other was hidden just now, nearly as near.
+    pub(crate) fn owns(&self, dot: [f64; 2], off: f64, unsure: bool) -> bool {
+        let away = (dot[0] - self.at[0]).hypot(dot[1] - self.at[1]);
+        (!self.facing && away < off) || (unsure && self.guided && away < UNSURE * off)
     }
 
     pub(crate) fn reaches(&self, place: [f64; 2]) -> bool {
-        self.facing && (place[0] - self.at[0]).hypot(place[1] - self.at[1]) <= self.gate
+        let off = [place[0] - self.at[0], place[1] - self.at[1]];
+        self.facing && off[0] * off[0] + off[1] * off[1] <= self.gate * self.gate
     }
 }
 
 impl Track {
     /// Puts the marker where a person saw it.
     pub(crate) fn set(&mut self, at: [f64; 2]) {
-        *self = Self { alive: true, at, confidence: LEAST_CONFIDENCE, hidden: 1.0, ..Self::default() };
+        let home = self.home;
+        *self = Self { alive: true, at, confidence: LEAST_CONFIDENCE, hidden: 1.0, home, ..Self::default() };
     }
 
     fn radius(&self) -> f64 {
         self.area.map_or(UNSEEN_RADIUS, |area| (area / std::f64::consts::PI).sqrt())
     }
 
+    /// Its area when it was last seen, if that was in the image before, or else the usual one, px².
+    fn late_area(&self) -> f64 {
+        let late = self.last_area.filter(|_| self.hidden == 0.0);
+        late.unwrap_or(std::f64::consts::PI * self.radius() * self.radius())
+    }
+
     /// At constant velocity; a hidden marker stands still until its neighbours tell.
     pub(crate) fn predicted(&self, frames: f64) -> Prediction {
         let steps = if self.hidden > 0.0 { 0.0 } else { frames };
         let at = std::array::from_fn(|k| self.at[k] + steps * self.velocity[k]);
-        Prediction { radius: self.radius(), ..Prediction::at(at, 0.0) }
+        Prediction { radius: self.radius(), area: self.late_area(), ..Prediction::at(at, 0.0) }
     }
 
     /// Where 3D markers say.
     pub(crate) fn guided(&self, hint: Hint, gate: f64) -> Prediction {
         // What is seen can be seen, whatever the patch of markers around it says.
         let facing = hint.facing || (self.alive && self.hidden == 0.0);
-        Prediction { at: hint.at, gate, radius: self.radius(), guided: true, facing }
+        let (radius, area) = (self.radius(), self.late_area());
+        Prediction { at: hint.at, gate, radius, area, guided: true, facing }
     }
 
     /// How far from its prediction the marker is looked for, with the next one `spacing` away.
@@ -113,6 +138,7 @@ impl Track {
             self.area = Some(self.area.map_or(dot.spot.area, |usual| usual + rate * (dot.spot.area - usual)));
         }
         (self.alive, self.at, self.hidden) = (true, at, 0.0);
+        self.last_area = Some(dot.spot.area);
     }
 
     /// The marker is not to be seen; it goes with its prediction, or where its neighbours go.

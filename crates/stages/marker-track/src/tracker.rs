@@ -1,9 +1,11 @@
 //! From image to image: predict, find dots, assign them, and remember.
 
+mod lost;
+
 use crate::blobs::{self, Area, Blob};
-use crate::center::{Owners, Patch};
+use crate::center::{Owners, Patch, Spot};
 use crate::dots::{Dot, dots};
-use crate::matching::{Matches, match_tracks};
+use crate::matching::{Matches, match_lost, match_tracks};
 use crate::paint::Paint;
 use crate::picture::Picture;
 use crate::predict::MotionField;
@@ -18,6 +20,8 @@ const LABEL_REACH_PX: f64 = 3.0;
 /// Room in a search window beyond the gate: the dot itself, its fading rim, the skin around, px.
 const MARGIN_PX: f64 = 10.0;
 
+/// Dots without a label are looked for this far from those with one, px.
+const STRAY_REACH_PX: f64 = 40.0;
 /// Where the 3D markers say that a marker is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hint {
@@ -35,6 +39,25 @@ pub struct Tracker {
     size: [usize; 2],
     tracks: Vec<Track>,
     owners: Owners,
+    /// Dots of the latest image that no marker has.
+    strays: Vec<Stray>,
+}
+
+/// A dot that no marker has.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stray {
+    /// px
+    pub(crate) at: [f64; 2],
+    /// px²
+    pub(crate) area: f64,
+    /// Frames since it was first seen; those of the labelled image were always there.
+    pub(crate) age: f64,
+}
+
+impl Stray {
+    pub(crate) fn is_near(&self, at: [f64; 2], reach: f64) -> bool {
+        (self.at[0] - at[0]).powi(2) + (self.at[1] - at[1]).powi(2) <= reach * reach
+    }
 }
 
 impl Tracker {
@@ -64,6 +87,7 @@ impl Tracker {
             size,
             tracks: vec![Track::default(); markers.len()],
             owners: Owners::default(),
+            strays: Vec::new(),
         };
         let named: Vec<(usize, [f64; 2])> = markers
             .iter()
@@ -82,12 +106,14 @@ impl Tracker {
                 label.map(|(_, at)| Prediction::at(*at, 2.0 * LABEL_REACH_PX))
             })
             .collect();
-        tracker.follow(picture, &found, predictions, 0.0);
+        let with_strays = named.len() < markers.len();
+        tracker.follow(picture, &found, predictions, &[], 0.0, with_strays);
         // A label without a measurable dot still stands where it was put.
         for (track, at) in named {
             if !tracker.tracks[track].alive {
                 tracker.tracks[track].set(at);
             }
+            tracker.tracks[track].home = Some(tracker.tracks[track].at);
         }
         Ok(tracker)
     }
@@ -96,6 +122,13 @@ impl Tracker {
     #[must_use]
     pub fn paint(&self) -> &Paint {
         &self.paint
+    }
+
+    /// Dots of the latest image that no marker has, px: markers without a label, hands, stains. None are looked for if 3D
+    /// markers guide, or every marker is labelled.
+    #[must_use]
+    pub fn strays(&self) -> Vec<[f64; 2]> {
+        self.strays.iter().map(|stray| stray.at).collect()
     }
 
     /// The samples of the latest image: per marker its place; none for one that was never found.
@@ -128,8 +161,22 @@ impl Tracker {
         for prediction in predictions.iter().flatten() {
             area.add(prediction.at, prediction.gate + prediction.radius + MARGIN_PX);
         }
+        let homes = self.homes(|track| predictions[track].as_ref().map(|p| p.at));
+        let is_lost = |track: usize| {
+            self.tracks[track].hidden > 0.0 && predictions[track].as_ref().is_some_and(|p| !p.guided)
+        };
+        let homes: Vec<Spread> = (0..homes.len())
+            .filter(|&track| is_lost(track))
+            .filter_map(|track| Some((homes[track]?, self.params.most_gate_px)))
+            .collect();
+        homes.iter().for_each(|(home, reach)| area.add(*home, reach + MARGIN_PX));
+        self.strays.retain(|_| hints.is_none());
+        let with_strays = hints.is_none() && self.tracks.iter().any(|track| track.home.is_none());
+        if with_strays {
+            predictions.iter().flatten().for_each(|prediction| area.add(prediction.at, STRAY_REACH_PX));
+        }
         let found = blobs::find(picture, &self.paint, &area);
-        self.follow(picture, &found, predictions, frames);
+        self.follow(picture, &found, predictions, &homes, frames, with_strays);
         self.leave_image();
         Ok(self.samples())
     }
@@ -150,8 +197,8 @@ impl Tracker {
         for (track, prediction) in self.tracks.iter().zip(&mut predictions) {
             if let Some(prediction) = prediction.as_mut().filter(|p| !p.guided) {
                 let at = prediction.at;
-                let others = places.iter().map(|p| (p[0] - at[0]).hypot(p[1] - at[1])).filter(|d| *d > 0.0);
-                let spacing = others.fold(f64::INFINITY, f64::min);
+                let others = places.iter().map(|p| (p[0] - at[0]).powi(2) + (p[1] - at[1]).powi(2));
+                let spacing = others.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min).sqrt();
                 prediction.gate = track.gate(spacing, frames, &self.params);
             }
         }
@@ -164,15 +211,31 @@ impl Tracker {
         picture: &Picture,
         found: &[Blob],
         mut predictions: Vec<Option<Prediction>>,
+        homes: &[Spread],
         frames: f64,
+        with_strays: bool,
     ) {
         self.owners.enter(picture, found);
-        let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions);
-        let all = dots(&patches, found, &[]);
+        let mut patches = cut_near(picture, &self.paint, &self.owners, found, &predictions, homes);
+        let all = dots(&patches, found, &[], &[]);
         let motion = self.sure_motion(&all, &mut predictions);
-        let all = dots(&patches, found, &predictions);
-        let mut matches = match_tracks(&predictions, &self.tracks, all, &self.params);
+        let guards = self.guards(&motion);
+        let all = dots(&patches, found, &predictions, &guards);
+        let mut matches = match_tracks(&predictions, &self.tracks, all, &guards, &self.params);
+        let lost = self.lost(&predictions, &matches, &motion);
+        match_lost(&lost, &self.tracks, &guards, &mut matches, &self.params);
         self.mend(picture, found, &mut patches, &mut matches);
+        if with_strays {
+            let strays = self.find_strays(picture, found, &patches, &matches);
+            let age = |at: [f64; 2]| {
+                let near = guards.iter().filter(|guard| guard.is_near(at, self.params.least_gate_px));
+                near.map(|guard| guard.age + frames).fold(0.0, f64::max)
+            };
+            // What the labelled image shows without a name is no marker that was lost later.
+            let first = if frames == 0.0 { f64::INFINITY } else { 0.0 };
+            let stray = |Spot { at, area }| Stray { at, area, age: first + age(at) };
+            self.strays = strays.into_iter().map(stray).collect();
+        }
         self.owners.leave(found);
         for (index, track) in self.tracks.iter_mut().enumerate() {
             let Some(prediction) = &predictions[index] else { continue };
@@ -258,21 +321,24 @@ impl Tracker {
     }
 }
 
-/// The patches that a prediction may want.
+/// A place, and how far around it something is looked for, px.
+type Spread = ([f64; 2], f64);
+
+/// The patches that a prediction may want, or a marker that belongs there.
 fn cut_near(
     picture: &Picture,
     paint: &Paint,
     owners: &Owners,
     found: &[Blob],
     predictions: &[Option<Prediction>],
+    homes: &[Spread],
 ) -> Vec<Option<Patch>> {
+    let near = predictions.iter().flatten().map(|p| (p.at, p.gate + p.radius + 2.0));
+    let near: Vec<Spread> = near.chain(homes.iter().copied()).collect();
     let wanted = |blob: &Blob| {
         let [left, top, right, bottom] = blob.bounds.map(f64::from);
         let beside = |x: f64, low: f64, high: f64, reach: f64| x >= low - reach && x <= high + reach;
-        predictions.iter().flatten().any(|p| {
-            let reach = p.gate + p.radius + 2.0;
-            beside(p.at[0], left, right, reach) && beside(p.at[1], top, bottom, reach)
-        })
+        near.iter().any(|&([x, y], reach)| beside(x, left, right, reach) && beside(y, top, bottom, reach))
     };
     let cut = |(number, blob): (usize, &Blob)| match wanted(blob) {
         true => Patch::cut(picture, paint, owners, blob, &[number]),

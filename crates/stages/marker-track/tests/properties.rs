@@ -4,9 +4,10 @@
 
 mod scene;
 
-use artifact::{Sample2d, TrackState};
-use marker_track::{Error, Hint, Params, Picture, Tracker, detect};
-use scene::{Dot, Look, SIZE, draw, grid, labels, names};
+use artifact::{Sample2d, TrackState, Tracks2dFrame};
+use marker_track::{Error, Hint, Params, Picture, Tracker, detect, name_strays};
+use nalgebra::Point2;
+use scene::{Dot, Look, SIZE, SKIN, draw, draw_on, grid, labels, names};
 
 fn picture(rgb: &[u8]) -> Picture<'_> {
     Picture::new(SIZE[0], SIZE[1], rgb).unwrap()
@@ -52,6 +53,98 @@ fn shading_does_not_shift_a_dot() {
     let look = Look { gradient: 0.006, noise: 0.0, ..Look::default() };
     let error = rms(&start(&dots, look).samples(), &dots);
     assert!(error < 0.03, "{error}");
+}
+
+#[test]
+fn what_a_dot_lies_on_does_not_shift_it() {
+    // A stroke of another paint along the upper half of the first dots, and dark hair left of the others.
+    let (violet, hair) = ([0.14, 0.035, 0.18], [0.01, 0.01, 0.011]);
+    let ground = |x: usize, y: usize| match (x, y) {
+        (_, 8..=22) => violet,
+        (0..=20, 40..) => hair,
+        _ => SKIN,
+    };
+    let dots = grid();
+    let image = draw_on(&dots, Look::default(), ground);
+    let tracker =
+        Tracker::start(&picture(&image), "srgb", &names(&dots), &labels(&dots), &Params::default()).unwrap();
+    for (sample, dot) in tracker.samples().iter().zip(&dots) {
+        assert!(off(sample, dot) < 0.12, "{dot:?} {}", off(sample, dot));
+    }
+}
+
+#[test]
+fn a_marker_that_jumps_and_comes_back_is_found_where_it_belongs() {
+    let dots = grid();
+    let mut tracker = start(&dots, Look::default());
+    for step in 1..9u64 {
+        let mut now = moved(&dots, |[x, y]| [x + 0.5 * step as f64, y]);
+        if (3..5).contains(&step) {
+            now[5].at[1] += 14.0;
+        }
+        let image = draw(&now, Look { seed: step, ..Look::default() });
+        let samples = tracker.step(&picture(&image), 1.0, None).unwrap();
+        if step > 5 {
+            assert_eq!(samples[5].unwrap().state, TrackState::Seen, "step {step}");
+            assert!(rms(&samples, &now) < 0.05, "step {step}: {}", rms(&samples, &now));
+        }
+    }
+}
+
+#[test]
+fn a_dot_without_a_label_is_nobodys() {
+    let dots = grid();
+    let image = draw(&dots, Look::default());
+    let mut few = labels(&dots);
+    few.remove("d06");
+    let mut tracker =
+        Tracker::start(&picture(&image), "srgb", &names(&dots), &few, &Params::default()).unwrap();
+    assert_eq!(tracker.strays().len(), 1);
+    for step in 1..6u64 {
+        let mut shown = dots.clone();
+        // The marker beside it hides, and another runs towards it.
+        shown[2].at[1] += 4.0 * step as f64;
+        shown.remove(5);
+        let image = draw(&shown, Look { seed: step, ..Look::default() });
+        let samples = tracker.step(&picture(&image), 1.0, None).unwrap();
+        assert_eq!(samples[5].unwrap().state, TrackState::Predicted);
+        let stray = tracker.strays();
+        assert!(stray.len() == 1 && (stray[0][0] - dots[6].at[0]).hypot(stray[0][1] - dots[6].at[1]) < 0.1);
+    }
+}
+
+#[test]
+fn a_dot_without_a_label_gets_its_name_from_two_other_cameras() {
+    // Points of a deep, moving cloud, as three cameras see them in perspective.
+    let seen = |camera: usize, frame: usize, marker: usize| -> [f64; 2] {
+        let (t, m) = (frame as f64, marker as f64);
+        let point = [60.0 * (1.7 * m).sin() + t, 60.0 * (2.9 * m).cos(), 40.0 * (0.9 * m + 0.1 * t).sin()];
+        let (sin, cos) = (0.5 * (camera as f64 - 1.0)).sin_cos();
+        let [x, z] = [cos * point[0] + sin * point[2], 720.0 - sin * point[0] + cos * point[2]];
+        [320.0 + 1450.0 * x / z, 240.0 + 1450.0 * point[1] / z]
+    };
+    let sample = |at: [f64; 2]| Some(Sample2d::seen(Point2::from(at)));
+    let frame = |frame: usize| Tracks2dFrame {
+        frame: frame as i64,
+        cameras: (0..3)
+            .map(|camera| Some((0..40).map(|marker| sample(seen(camera, frame, marker))).collect()))
+            .collect(),
+    };
+    let mut frames: Vec<Tracks2dFrame> = (0..20).map(frame).collect();
+    let mut strays = vec![vec![Vec::new(); 3]; 20];
+    for (index, frame) in frames.iter_mut().enumerate() {
+        frame.cameras[2].as_mut().unwrap()[7] = None;
+        frame.cameras[2].as_mut().unwrap()[9] = None;
+        // The one is a dot without a name; of the other nothing is seen, but something lies 8 px from it.
+        let [x, y] = seen(2, index, 9);
+        strays[index][2] = vec![seen(2, index, 7), [x + 8.0, y]];
+    }
+    assert_eq!(name_strays(&mut frames, &strays), 20);
+    for (index, frame) in frames.iter().enumerate() {
+        let samples = frame.cameras[2].as_ref().unwrap();
+        assert_eq!(samples[7].unwrap().at, Point2::from(seen(2, index, 7)));
+        assert!(samples[9].is_none());
+    }
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(crate) struct Camera {
     pub(crate) tracker: Tracker,
     /// Per frame its samples.
     pub(crate) samples: Vec<Option<Vec<Option<Sample2d>>>>,
+    /// Per frame the dots that no marker has.
+    pub(crate) strays: Vec<Vec<[f64; 2]>>,
     /// Place of the frame that the tracker was last given.
     pub(crate) last: usize,
 }
@@ -64,6 +66,7 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
                 .tracker
                 .step(&image.picture()?, frames, hints.as_deref())
                 .with_context(|| format!("camera {}, frame {}", camera.id, plan.numbers[index]))?;
+            camera.strays[index] = camera.tracker.strays();
             (camera.samples[index], camera.last) = (Some(samples), index);
         }
         Ok(())

@@ -94,7 +94,12 @@ impl Footage {
 
     /// The images of a camera.
     pub(crate) fn camera(&self, id: &str) -> anyhow::Result<CameraImages> {
-        let unknown = || format!("{}: has no camera {id}, which has labels", self.path.display());
+        let unknown = || {
+            format!(
+                "{}: has no camera {id}, which has labels\n  to do: correct the labels",
+                self.path.display()
+            )
+        };
         match &self.kind {
             Kind::Extracted(frames) => {
                 let camera = frames.cameras.get(id).with_context(unknown)?;

@@ -5,7 +5,7 @@ use super::footage::{Footage, Image, Source};
 use super::guide::Guide;
 use anyhow::{Context, bail};
 use artifact::{FrameWriter, Labels, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
-use marker_track::{Edits, Params, Tracker};
+use marker_track::{Edits, Params, Strays, Tracker, name_strays};
 use serde::Serialize;
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
@@ -90,7 +90,10 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let markers: Vec<String> = markers.into_iter().cloned().collect();
     let Some(first) = numbers.iter().position(|&number| number == labels.frame) else {
         let file = arguments.labels.display();
-        bail!("{file}: labels frame {}, which the take has not", labels.frame);
+        bail!(
+            "{file}: labels frame {}, which the take has not\n  to do: label a frame of the take",
+            labels.frame
+        );
     };
     let mut cameras = start(arguments, &params, &labels, &footage, &markers, first)?;
     let header = Tracks2dHeader {
@@ -107,6 +110,11 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         let samples = cameras.iter_mut().map(|camera| camera.samples[index].take()).collect();
         frames.push(Tracks2dFrame { frame, cameras: samples });
     }
+    let strays: Strays = (0..numbers.len())
+        .map(|index| cameras.iter_mut().map(|camera| std::mem::take(&mut camera.strays[index])).collect())
+        .collect();
+    let named = run.timed("name", || name_strays(&mut frames, &strays));
+    run.result("named", named);
     if let (Some(edits), Some(path)) = (edits, &arguments.edits) {
         edits.apply(&mut frames).with_context(|| path.display().to_string())?;
         run.result("edits", edits.count());
@@ -139,7 +147,8 @@ fn start(
             .map_err(|error| anyhow::anyhow!("{file}, camera {id}: {error}"))?;
         let mut samples = vec![None; images.paths.len()];
         samples[first] = Some(tracker.samples());
-        cameras.push(Camera { id: id.clone(), images, tracker, samples, last: first });
+        let strays = vec![Vec::new(); samples.len()];
+        cameras.push(Camera { id: id.clone(), images, tracker, samples, strays, last: first });
     }
     if cameras.is_empty() {
         bail!("{file}: no camera has labels");

@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use std::collections::BTreeMap;
 
 pub(crate) const SIZE: [usize; 2] = [160, 120];
-const SKIN: [f64; 3] = [0.42, 0.27, 0.2];
+pub(crate) const SKIN: [f64; 3] = [0.42, 0.27, 0.2];
 const PAINT: [f64; 3] = [0.012, 0.045, 0.24];
 const SAMPLES: usize = 8;
 /// Standard deviation of the blur, px.
@@ -76,12 +76,18 @@ fn cover(dots: &[Dot], x: usize, y: usize) -> f64 {
 
 /// The image of some dots.
 pub(crate) fn draw(dots: &[Dot], look: Look) -> Vec<u8> {
+    draw_on(dots, look, |_, _| SKIN)
+}
+
+/// The image of some dots on a ground that has a colour of its own at each pixel.
+pub(crate) fn draw_on(dots: &[Dot], look: Look, ground: impl Fn(usize, usize) -> [f64; 3]) -> Vec<u8> {
     let [width, height] = SIZE;
     let light = |x: usize| look.gain * (1.0 + look.gradient * (x as f64 - width as f64 / 2.0)).max(0.1);
     let sharp: Vec<[f64; 3]> = (0..width * height)
         .map(|i| {
             let share = cover(dots, i % width, i / width);
-            std::array::from_fn(|c| light(i % width) * ((1.0 - share) * SKIN[c] + share * PAINT[c]))
+            let ground = ground(i % width, i / width);
+            std::array::from_fn(|c| light(i % width) * ((1.0 - share) * ground[c] + share * PAINT[c]))
         })
         .collect();
     let weights: Vec<f64> = (-3i32..=3).map(|k| (-f64::from(k * k) / (2.0 * BLUR * BLUR)).exp()).collect();
