@@ -7,8 +7,8 @@ import subprocess
 
 import numpy as np
 
-from _takes import lines, make, write_lines
-from virtual_rig import QUIET, score_of
+from _takes import lines, mocap, write_lines
+from virtual_rig import score_of
 
 SEEDS = [1, 2, 3, 4, 5, 6]
 NOISE_PX = 0.1  # radial, root mean square
@@ -150,8 +150,7 @@ def score(ctx):
     seeds = ctx.seeds or SEEDS
     raw, filtered = {}, {}
     for seed in seeds:
-        folder = make(ctx, f"markers-{seed}", "--scenario", "standard", "--seed", seed, "--length", "long",
-                                  "--no-footage", *QUIET)
+        folder = mocap(ctx, "standard", seed)
         truth, out = folder / "truth", ctx.tmp / "out.jsonl"
         tracks = disturbed(truth / "tracks-2d.jsonl", ctx.tmp / "tracks.jsonl", seed)
         for found, args in ((raw, ["--no-filter"]), (filtered, [])):
@@ -182,8 +181,7 @@ def peak_bytes(words):
 
 
 def bench(ctx):
-    folder = make(ctx, "markers-1", "--scenario", "standard", "--seed", 1, "--length", "long", "--no-footage", *QUIET)
-    scene = Scene(folder)
+    scene = Scene(mocap(ctx, "standard", 1))
     sway = lambda count: scene.rest[None] + 10 * np.sin(np.arange(count) / 20)[:, None, None]
     takes = {count: scene.write(ctx.tmp / f"{count}.jsonl", sway(count), 1) for count in (6 * HZ, 60 * HZ)}
     out, rates, whole = ctx.tmp / "bench.jsonl", [], []
