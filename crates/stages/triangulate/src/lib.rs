@@ -42,6 +42,7 @@
 
 mod affine;
 mod error;
+mod exchange;
 mod fill;
 mod filter;
 mod noise;

@@ -139,7 +139,8 @@ impl Tally {
                     for (camera, off) in &fix.dropped {
                         let sums = &mut self.cameras[*camera];
                         sums.outliers += 1;
-                        sums.worst = sums.worst.max(if off.is_finite() { *off } else { 0.0 });
+                        sums.worst =
+                            sums.worst.max(Some(off.norm()).filter(|off| off.is_finite()).unwrap_or(0.0));
                         self.timeline.add_outlier(frame.frame, *camera);
                     }
                     self.variance += fix.covariance.trace();
@@ -233,8 +234,12 @@ impl Report {
         }
         for swap in &self.swaps {
             let [a, b] = &swap.markers;
-            warnings
-                .push(format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last));
+            let mut warning =
+                format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last);
+            if let Some(camera) = &swap.camera {
+                warning += &format!(" of camera {camera}, which is left out there");
+            }
+            warnings.push(warning);
         }
         warnings
     }
