@@ -6,8 +6,10 @@ use crate::point::Scale;
 use crate::solve::{Rig, Solved};
 use nalgebra::Vector2;
 
-/// An exchange that shows again after so many frames is another one.
+/// An exchange that shows again after so many frames is another one …
 const FORGOTTEN: i64 = 25;
+/// … or after so many, if both markers were where they should be: views of little weight pass as such.
+const OVER: i64 = 5;
 
 /// A marker that a camera saw, but elsewhere.
 struct Stray {
@@ -54,8 +56,9 @@ impl ExchangeWatch {
             frame.fix(marker).is_some_and(|fix| fix.used.iter().any(|(used, _)| *used == camera))
         };
         let is_over = |exchange: &mut Exchange| {
-            frame.frame - exchange.last > FORGOTTEN
-                || exchange.markers.iter().all(|&marker| is_used(marker, exchange.camera))
+            let since = frame.frame - exchange.last;
+            let is_well = || exchange.markers.iter().all(|&marker| is_used(marker, exchange.camera));
+            since > FORGOTTEN || (since > OVER && is_well())
         };
         self.closed.extend(self.open.extract_if(.., is_over));
     }

@@ -8,11 +8,11 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Two estimates of the depth of a surface agree below this, mm.
-const SAME_SURFACE_MM: f64 = 1.0;
+const SAME_SURFACE_MM: f64 = 0.5;
 /// Surfaces whose depths vary by more than this share of the distances across the ray are seen at a grazing angle.
 const STEEP: f64 = 0.5;
 /// Squared coefficients that sum to more than this reach out of the neighbours' midst.
-const EXTRAPOLATED: f64 = 0.7;
+const EXTRAPOLATED: f64 = 0.45;
 
 /// A frame after the filter.
 #[derive(Debug, Clone)]

@@ -16,6 +16,8 @@ const HUBER: f64 = 2.0;
 /// How far off a point of confidence 0 may be, px; one of confidence c by 1 − c of it. Where a share of a dot is hidden, the
 /// centre of the rest is off by about that share of the dot's width.
 const UNSURE_PX: f64 = 2.5;
+/// For how many residuals the spread of all stands in the estimate of a point's own.
+const PRIOR: f64 = 4.0;
 /// Rays that all meet at less than this are parallel, rad (0.1°): depth is then known to centimetres at best.
 const LEAST_ANGLE: f64 = 1.745e-3;
 
@@ -66,6 +68,9 @@ pub(crate) struct Fix {
     pub(crate) position: Point3<f64>,
     /// mm², from the noise.
     pub(crate) covariance: Matrix3<f64>,
+    /// The variance of a view that the residuals speak for, as a multiple of the noise's: where views disagree by more than noise,
+    /// the point is off by more.
+    pub(crate) doubt: f64,
     /// Cameras used, with their residuals (seen − projected), px.
     pub(crate) used: Vec<(usize, Vector2<f64>)>,
     /// Cameras left out as outliers, with their residuals; infinite for a point behind the camera.
@@ -94,6 +99,7 @@ pub(crate) fn triangulate_point(sights: &[Sight], scale: Scale) -> Option<Fix> {
     Some(Fix {
         position: fit.position,
         covariance: fit.information.try_inverse()? * (scale.noise * scale.noise),
+        doubt: fit.variance(&kept, scale) / (scale.noise * scale.noise),
         used: kept.iter().filter_map(|sight| Some((sight.camera, fit.residual(sight)?))).collect(),
         dropped: sights.iter().filter(|sight| !is_kept(sight)).map(|s| (s.camera, off(s))).collect(),
     })
@@ -108,6 +114,15 @@ struct Fit {
 impl Fit {
     fn residual(&self, sight: &Sight) -> Option<Vector2<f64>> {
         Some(sight.pixel - sight.view.pixel(&self.position)?)
+    }
+
+    /// Variance of a sure view, px²: of the point's own residuals, and of the spread of all as if it were that of some more.
+    fn variance(&self, sights: &[Sight], scale: Scale) -> f64 {
+        let square = |sight: &Sight| Some(sight.weight * self.residual(sight)?.norm_squared());
+        let squares: f64 = sights.iter().filter_map(square).sum();
+        // Three coordinates were fitted.
+        let freedom = 2.0 * sights.len() as f64 - 3.0;
+        (PRIOR * scale.spread * scale.spread + squares) / (PRIOR + freedom)
     }
 
     /// Largest reprojection error, px; partly hidden dots may be off by more.

@@ -143,7 +143,7 @@ impl Tally {
                             sums.worst.max(Some(off.norm()).filter(|off| off.is_finite()).unwrap_or(0.0));
                         self.timeline.add_outlier(frame.frame, *camera);
                     }
-                    self.variance += fix.covariance.trace();
+                    self.variance += fix.covariance.trace() * fix.doubt;
                 }
                 Found::Nothing | Found::Ray(_) => continue,
             }

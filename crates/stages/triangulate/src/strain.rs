@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use serde::Serialize;
 
 /// Median strain of a marker's distances to its neighbours, per frame, from which it is looked at.
-const IMPLAUSIBLE: f64 = 0.15;
+const IMPLAUSIBLE: f64 = 0.06;
 /// An exchange explains the strain if it leaves less than this share of it.
 const EXPLAINED: f64 = 0.25;
 /// Places are forgotten after so many frames out of sight, and neighbours looked for anew.
@@ -89,12 +89,13 @@ impl StrainWatch {
     /// Pairs whose exchange explains an implausible strain; no marker twice.
     fn exchanged(&self, now: &[Option<Point3<f64>>]) -> Vec<[usize; 2]> {
         let strained: Vec<usize> = (0..now.len()).filter(|&marker| self.is_strained(marker, now)).collect();
-        let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
-        for (i, &a) in strained.iter().enumerate() {
-            for &b in &strained[i + 1..] {
-                pairs.extend(self.share_left(a, b, now).map(|share| (share, [a, b])));
-            }
-        }
+        // One of the two may stand so that few distances change: what the other one explains is enough.
+        let around = |&a: &usize| self.neighbors[a].1.iter().map(move |&b| [a.min(b), a.max(b)]);
+        let mut candidates: Vec<[usize; 2]> = strained.iter().flat_map(around).collect();
+        candidates.sort_unstable();
+        candidates.dedup();
+        let share = |pair: [usize; 2]| Some((self.share_left(pair[0], pair[1], now)?, pair));
+        let mut pairs: Vec<(f64, [usize; 2])> = candidates.into_iter().filter_map(share).collect();
         pairs.retain(|(share, _)| *share < EXPLAINED);
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut taken: Vec<[usize; 2]> = Vec::new();

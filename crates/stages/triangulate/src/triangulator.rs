@@ -204,7 +204,7 @@ impl Triangulator {
             Some(Place {
                 position: position(marker).unwrap_or(fix.position),
                 status: SampleStatus::Measured,
-                covariance: Some(fix.covariance),
+                covariance: Some(fix.covariance * fix.doubt),
                 cameras: fix.used.iter().map(|(camera, _)| *camera).collect(),
             })
         };
