@@ -53,6 +53,7 @@ mod report;
 mod skew;
 mod solve;
 mod strain;
+mod surface;
 mod timeline;
 mod triangulator;
 mod view;

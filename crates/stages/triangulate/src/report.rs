@@ -8,6 +8,11 @@ use artifact::SampleStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Exchanged markers that warnings name.
+const SWAPS_SAID: usize = 12;
+/// A camera with a larger share of outliers contradicts the others.
+const CONTRADICTED: f64 = 0.2;
+
 /// What is said of a take.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -209,6 +214,16 @@ impl Tally {
 }
 
 impl Report {
+    /// How many cameras contradict the others, if that is more than half of them, and the least share of their outliers.
+    pub(crate) fn contradiction(&self) -> Option<(usize, f64)> {
+        let share =
+            |camera: &CameraReport| camera.outliers as f64 / (camera.outliers + camera.used).max(1) as f64;
+        let shares: Vec<f64> =
+            self.cameras.values().map(share).filter(|share| *share > CONTRADICTED).collect();
+        let least = shares.iter().copied().fold(1.0, f64::min);
+        (2 * shares.len() > self.cameras.len()).then_some((shares.len(), least))
+    }
+
     /// What the user should look at.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -232,7 +247,7 @@ impl Report {
                 "camera {id}: {share:.0} % of its views are outliers; its calibration, synchronisation or labels may be off"
             ));
         }
-        for swap in &self.swaps {
+        for swap in self.swaps.iter().take(SWAPS_SAID) {
             let [a, b] = &swap.markers;
             let mut warning =
                 format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last);
@@ -240,6 +255,9 @@ impl Report {
                 warning += &format!(" of camera {camera}, which is left out there");
             }
             warnings.push(warning);
+        }
+        if self.swaps.len() > SWAPS_SAID {
+            warnings.push(format!("{} more such pairs: see the side-car", self.swaps.len() - SWAPS_SAID));
         }
         warnings
     }
