@@ -50,15 +50,13 @@ pub enum Error {
         "in no frame do the rays of any marker meet: {0} samples are seen by two cameras or more, none agrees"
     )]
     NothingAgrees(usize),
-    /// Most cameras contradict the others.
+    /// The cameras contradict each other.
     #[error(
-        "the cameras contradict each other: in {cameras} of them, {percent:.0} % of the views or more are outliers{}",
+        "the cameras contradict each other: {percent:.0} % of all views are outliers{}",
         hint(.beyond)
     )]
     Contradiction {
-        /// How many cameras.
-        cameras: usize,
-        /// Share of their views that are outliers.
+        /// Share of the views that are outliers.
         percent: f64,
         /// Camera, its image size and the right lower end of what was seen in it, px, where all cameras saw their points in the
         /// left upper part of the image alone.

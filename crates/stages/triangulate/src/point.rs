@@ -122,7 +122,8 @@ impl Fit {
         let squares: f64 = sights.iter().filter_map(square).sum();
         // Three coordinates were fitted.
         let freedom = 2.0 * sights.len() as f64 - 3.0;
-        (PRIOR * scale.spread * scale.spread + squares) / (PRIOR + freedom)
+        // One less, for what is asked of it is its inverse: so the mean squared error over it is right.
+        (PRIOR * scale.spread * scale.spread + squares) / (PRIOR + freedom - 1.0)
     }
 
     /// Largest reprojection error, px; partly hidden dots may be off by more.

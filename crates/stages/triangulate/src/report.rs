@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 
 /// Exchanged markers that warnings name.
 const SWAPS_SAID: usize = 12;
-/// A camera with a larger share of outliers contradicts the others.
-const CONTRADICTED: f64 = 0.2;
+/// With a larger share of outliers the cameras contradict each other: one in three that is off leaves as many.
+const CONTRADICTED: f64 = 0.35;
 
 /// What is said of a take.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -214,14 +214,11 @@ impl Tally {
 }
 
 impl Report {
-    /// How many cameras contradict the others, if that is more than half of them, and the least share of their outliers.
-    pub(crate) fn contradiction(&self) -> Option<(usize, f64)> {
-        let share =
-            |camera: &CameraReport| camera.outliers as f64 / (camera.outliers + camera.used).max(1) as f64;
-        let shares: Vec<f64> =
-            self.cameras.values().map(share).filter(|share| *share > CONTRADICTED).collect();
-        let least = shares.iter().copied().fold(1.0, f64::min);
-        (2 * shares.len() > self.cameras.len()).then_some((shares.len(), least))
+    /// Share of all views that are outliers, if it is so large that the cameras contradict each other.
+    pub(crate) fn contradiction(&self) -> Option<f64> {
+        let sum = |count: fn(&CameraReport) -> usize| self.cameras.values().map(count).sum::<usize>() as f64;
+        let share = sum(|camera| camera.outliers) / sum(|camera| camera.outliers + camera.used).max(1.0);
+        (share > CONTRADICTED).then_some(share)
     }
 
     /// What the user should look at.

@@ -12,7 +12,7 @@ const ROUGH_MM: f64 = 1.0;
 /// Surfaces whose depths vary by more than this share of the distances across the ray are seen at a grazing angle.
 const STEEP: f64 = 0.5;
 /// Squared coefficients that sum to more than this reach out of the neighbours' midst.
-const EXTRAPOLATED: f64 = 0.7;
+const EXTRAPOLATED: f64 = 1.5;
 
 /// How far along a ray the surface lies that a marker's nearest neighbours make: a paraboloid about the ray fitted to their
 /// depths, for faces are convex, and a plane would cut them off by millimetres. None where the ray grazes the surface, where the

@@ -130,11 +130,11 @@ impl Triangulator {
             (_, seen, 0) => return Err(Error::NothingAgrees(seen)),
             _ => {}
         }
-        if let Some((cameras, share)) = report.contradiction() {
+        if let Some(share) = report.contradiction() {
             let name =
                 |(camera, size, reach): (usize, _, _)| (self.tracks.cameras[camera].clone(), size, reach);
             let beyond = self.rig.beyond().map(name);
-            return Err(Error::Contradiction { cameras, percent: 100.0 * share, beyond });
+            return Err(Error::Contradiction { percent: 100.0 * share, beyond });
         }
         let scale = self.scale.unwrap_or(Scale { noise: 0.0, spread: 0.0, outlier: 0.0 });
         (report.noise_px, report.outlier_px) = (scale.noise, scale.outlier);
