@@ -6,7 +6,7 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The tracks name a camera that the rig has not.
-    #[error("names camera {camera}, which the rig has not (it has {})", .known.join(", "))]
+    #[error("names camera {camera}, which the rig has not (it has {})", list(.known))]
     UnknownCamera {
         /// The camera.
         camera: String,
@@ -21,8 +21,10 @@ pub enum Error {
     TooFewCameras(usize),
     /// A point far outside its camera's image: the calibration is of another image size.
     #[error(
-        "the point ({x:.1}, {y:.1}) px lies outside the camera's image of {width} × {height} px: tracks and \
-         calibration are of different image sizes"
+        "the point ({}, {}) px lies outside the camera's image of {width} × {height} px: tracks and \
+         calibration are of different image sizes",
+        short(*.x),
+        short(*.y)
     )]
     OutsideImage {
         /// Frame.
@@ -48,6 +50,18 @@ pub enum Error {
         "in no frame do the rays of any marker meet: {0} samples are seen by two cameras or more, none agrees"
     )]
     NothingAgrees(usize),
+    /// The cameras contradict each other.
+    #[error(
+        "the cameras contradict each other: {percent:.0} % of all views are outliers{}",
+        hint(.beyond)
+    )]
+    Contradiction {
+        /// Share of the views that are outliers.
+        percent: f64,
+        /// Camera, its image size and the right lower end of what was seen in it, px, where all cameras saw their points in the
+        /// left upper part of the image alone.
+        beyond: Option<(String, [u32; 2], [f64; 2])>,
+    },
     /// The tracks hold no frames.
     #[error("holds no frames")]
     NoFrames,
@@ -98,9 +112,31 @@ impl Error {
             Self::NothingAgrees(_) => {
                 "check that the calibration is of this rig and that the tracks' marker ids mean the same everywhere"
             }
+            Self::Contradiction { beyond: Some(_), .. } => "calibrate with images of the footage's size",
+            Self::Contradiction { .. } => {
+                "check that the calibration is of this rig and of this take's image size, and that the cameras' ids, marker ids \
+                 and synchronisation are right"
+            }
             Self::NoFrames => "the program that wrote it may have been cut off",
             Self::NoRate => "give --sync, or --no-filter and --fill-ms 0",
             Self::Parameter { .. } => return None,
         })
     }
+}
+
+fn list(ids: &[String]) -> String {
+    if ids.is_empty() { "none".to_string() } else { ids.join(", ") }
+}
+
+/// A number of pixels; what is far beyond any image, by its power.
+fn short(pixels: f64) -> String {
+    if pixels.abs() < 1e6 { format!("{pixels:.1}") } else { format!("{pixels:.1e}") }
+}
+
+fn hint(beyond: &Option<(String, [u32; 2], [f64; 2])>) -> String {
+    let Some((camera, [width, height], [x, y])) = beyond else { return String::new() };
+    format!(
+        ". The calibration is of {width} × {height} px, but camera {camera} saw nothing beyond ({x:.0}, {y:.0}) px: it may be of \
+         a larger image size than the footage"
+    )
 }

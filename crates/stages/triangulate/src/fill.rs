@@ -1,18 +1,12 @@
 //! Samples that two cameras did not see: from one camera and the neighbours, from the neighbours, or over time.
 
-use crate::affine::{Neighbor, coefficients, nearest};
+use crate::affine::{coefficients, nearest};
 use crate::solve::Ray;
+use crate::surface::surface_depth;
 use artifact::SampleStatus;
 use nalgebra::{Matrix3, Point3};
 use std::collections::VecDeque;
 use std::sync::Arc;
-
-/// Two estimates of the depth of a surface agree below this, mm.
-const SAME_SURFACE_MM: f64 = 1.0;
-/// Surfaces whose depths vary by more than this share of the distances across the ray are seen at a grazing angle.
-const STEEP: f64 = 0.5;
-/// Squared coefficients that sum to more than this reach out of the neighbours' midst.
-const EXTRAPOLATED: f64 = 0.7;
 
 /// A frame after the filter.
 #[derive(Debug, Clone)]
@@ -36,12 +30,12 @@ pub(crate) struct Place {
 }
 
 impl Placed {
-    fn position(&self, marker: usize) -> Option<Point3<f64>> {
+    pub(crate) fn position(&self, marker: usize) -> Option<Point3<f64>> {
         self.places[marker].as_ref().map(|place| place.position)
     }
 
     /// All markers but one that are known here and in another frame.
-    fn shared<'a>(
+    pub(crate) fn shared<'a>(
         &'a self,
         other: &'a Self,
         marker: usize,
@@ -154,29 +148,4 @@ fn carried(known: &Placed, frame: &Placed, marker: usize) -> Option<Point3<f64>>
             .map(|(step, c)| step * c)
             .sum::<nalgebra::Vector3<_>>(),
     )
-}
-
-/// How far along a ray the surface lies that its nearest markers make: an affine fit of their depths. None where the
-/// ray grazes the surface, and where all neighbours and the nearer half of them say different things: the surface is then too
-/// curved, or the ray passes beside it.
-fn surface_depth(frame: &Placed, marker: usize, ray: &Ray) -> Option<f64> {
-    let depth = |place: &Point3<f64>| ray.direction.dot(&(place - ray.origin));
-    // As seen along the ray: depths taken away.
-    let flat = |place: Point3<f64>| place - ray.direction.into_inner() * depth(&place);
-    let others = frame.shared(frame, marker).map(|(other, place)| (other, flat(place)));
-    let neighbors = nearest(&ray.origin, others);
-    let depths = neighbors.iter().map(|n| frame.position(n.marker).map(|place| depth(&place)));
-    let depths: Vec<f64> = depths.collect::<Option<_>>()?;
-    let lateral = neighbors.iter().map(|neighbor| neighbor.arm.norm()).sum::<f64>();
-    let middle = depths.iter().sum::<f64>() / depths.len().max(1) as f64;
-    if depths.iter().map(|depth| (depth - middle).abs()).sum::<f64>() > STEEP * lateral {
-        return None;
-    }
-    let fitted = |neighbors: &[Neighbor]| -> Option<f64> {
-        let c = coefficients(neighbors)?;
-        let is_inside = c.iter().map(|c| c * c).sum::<f64>() < EXTRAPOLATED;
-        is_inside.then(|| depths.iter().zip(&c).map(|(depth, c)| depth * c).sum())
-    };
-    let (near, far) = (fitted(&neighbors[..neighbors.len().div_ceil(2)])?, fitted(&neighbors)?);
-    ((near - far).abs() < SAME_SURFACE_MM).then_some(near)
 }

@@ -42,6 +42,7 @@
 
 mod affine;
 mod error;
+mod exchange;
 mod fill;
 mod filter;
 mod noise;
@@ -52,6 +53,7 @@ mod report;
 mod skew;
 mod solve;
 mod strain;
+mod surface;
 mod timeline;
 mod triangulator;
 mod view;

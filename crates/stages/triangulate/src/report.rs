@@ -8,6 +8,11 @@ use artifact::SampleStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Exchanged markers that warnings name.
+const SWAPS_SAID: usize = 12;
+/// With a larger share of outliers the cameras contradict each other: one in three that is off leaves as many.
+const CONTRADICTED: f64 = 0.35;
+
 /// What is said of a take.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -139,10 +144,11 @@ impl Tally {
                     for (camera, off) in &fix.dropped {
                         let sums = &mut self.cameras[*camera];
                         sums.outliers += 1;
-                        sums.worst = sums.worst.max(if off.is_finite() { *off } else { 0.0 });
+                        sums.worst =
+                            sums.worst.max(Some(off.norm()).filter(|off| off.is_finite()).unwrap_or(0.0));
                         self.timeline.add_outlier(frame.frame, *camera);
                     }
-                    self.variance += fix.covariance.trace();
+                    self.variance += fix.covariance.trace() * fix.doubt;
                 }
                 Found::Nothing | Found::Ray(_) => continue,
             }
@@ -208,6 +214,13 @@ impl Tally {
 }
 
 impl Report {
+    /// Share of all views that are outliers, if it is so large that the cameras contradict each other.
+    pub(crate) fn contradiction(&self) -> Option<f64> {
+        let sum = |count: fn(&CameraReport) -> usize| self.cameras.values().map(count).sum::<usize>() as f64;
+        let share = sum(|camera| camera.outliers) / sum(|camera| camera.outliers + camera.used).max(1.0);
+        (share > CONTRADICTED).then_some(share)
+    }
+
     /// What the user should look at.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -231,10 +244,17 @@ impl Report {
                 "camera {id}: {share:.0} % of its views are outliers; its calibration, synchronisation or labels may be off"
             ));
         }
-        for swap in &self.swaps {
+        for swap in self.swaps.iter().take(SWAPS_SAID) {
             let [a, b] = &swap.markers;
-            warnings
-                .push(format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last));
+            let mut warning =
+                format!("markers {a} and {b} seem exchanged in frames {}-{}", swap.first, swap.last);
+            if let Some(camera) = &swap.camera {
+                warning += &format!(" of camera {camera}, which is left out there");
+            }
+            warnings.push(warning);
+        }
+        if self.swaps.len() > SWAPS_SAID {
+            warnings.push(format!("{} more such pairs: see the side-car", self.swaps.len() - SWAPS_SAID));
         }
         warnings
     }

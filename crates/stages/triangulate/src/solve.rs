@@ -8,10 +8,14 @@ use nalgebra::{Point3, Unit, Vector3};
 
 /// How far outside its image a point may lie, px: trackers extrapolate a little at the border.
 const MARGIN_PX: f64 = 8.0;
+/// Points that all lie within this share of the image's width and height are taken for those of smaller images.
+const PART: f64 = 0.6;
 
 /// The cameras of the tracks, in their order.
 pub(crate) struct Rig {
     pub(crate) views: Vec<View>,
+    /// Per camera the right lower end of what was seen, px.
+    reach: Vec<[f64; 2]>,
 }
 
 /// What a frame shows of a marker.
@@ -69,19 +73,22 @@ impl Rig {
         let views = header.cameras.iter().map(view).collect::<Result<Vec<_>, _>>()?;
         match views.len() {
             0 | 1 => Err(Error::TooFewCameras(views.len())),
-            _ => Ok(Self { views }),
+            count => Ok(Self { views, reach: vec![[0.0; 2]; count] }),
         }
     }
 
     /// Refuses points far outside the images: calibration and footage are then of different sizes.
-    pub(crate) fn check(&self, header: &Tracks2dHeader, frame: &Tracks2dFrame) -> Result<(), Error> {
+    pub(crate) fn check(&mut self, header: &Tracks2dHeader, frame: &Tracks2dFrame) -> Result<(), Error> {
         for (camera, samples) in frame.cameras.iter().enumerate() {
+            let (view, reach) = (&self.views[camera], &mut self.reach[camera]);
             let seen = samples.iter().flatten().enumerate();
-            let mut seen = seen.filter_map(|(marker, sample)| Some((marker, measured(sample.as_ref())?)));
-            let strays =
-                |(_, sample): &(usize, &Sample2d)| !self.views[camera].may_show(sample.at.coords, MARGIN_PX);
-            if let Some((marker, sample)) = seen.find(strays) {
-                let [width, height] = self.views[camera].image_size;
+            let seen = seen.filter_map(|(marker, sample)| Some((marker, measured(sample.as_ref())?)));
+            for (marker, sample) in seen {
+                *reach = [reach[0].max(sample.at.x), reach[1].max(sample.at.y)];
+                if view.may_show(sample.at.coords, MARGIN_PX) {
+                    continue;
+                }
+                let [width, height] = view.image_size;
                 return Err(Error::OutsideImage {
                     frame: frame.frame,
                     camera: header.cameras[camera].clone(),
@@ -94,6 +101,18 @@ impl Rig {
             }
         }
         Ok(())
+    }
+
+    /// The camera whose points came nearest to its image's right lower end, with that end and theirs, if all cameras saw points in
+    /// the left upper part of their images alone.
+    pub(crate) fn beyond(&self) -> Option<(usize, [u32; 2], [f64; 2])> {
+        let share = |camera: usize| {
+            let [width, height] = self.views[camera].image_size.map(f64::from);
+            (self.reach[camera][0] / width).max(self.reach[camera][1] / height)
+        };
+        let farthest = (0..self.views.len()).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+        let is_part = share(farthest) < PART;
+        is_part.then(|| (farthest, self.views[farthest].image_size, self.reach[farthest]))
     }
 
     /// Triangulates all markers of a frame.

@@ -64,12 +64,9 @@ impl Timeline {
             self.halve();
         }
         let at = index(self);
-        let empty = Column {
-            cameras: vec![(0.0, 0, 0); self.camera_count],
-            markers: vec![[0; STATES]; self.marker_count],
-        };
         if self.columns.len() <= at {
-            self.columns.resize(at + 1, empty);
+            let cameras = vec![(0.0, 0, 0); self.camera_count];
+            self.columns.resize(at + 1, Column { cameras, markers: vec![[0; STATES]; self.marker_count] });
         }
         &mut self.columns[at]
     }

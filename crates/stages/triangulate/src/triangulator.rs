@@ -1,5 +1,6 @@
 //! The whole stage: frames of tracks in, frames of markers out, a window of frames in memory.
 
+use crate::exchange::ExchangeWatch;
 use crate::fill::{Filler, Place, Placed};
 use crate::paper::Rest;
 use crate::point::Scale;
@@ -35,6 +36,7 @@ pub struct Triangulator {
     next: usize,
     rest: Rest,
     strain: StrainWatch,
+    exchange: ExchangeWatch,
     filler: Filler,
     tally: Tally,
 }
@@ -84,6 +86,7 @@ impl Triangulator {
             next: 0,
             rest: Rest::new(count),
             strain: StrainWatch::new(count),
+            exchange: ExchangeWatch::default(),
             filler: Filler::new(count, (params.fill_ms * 1e-3 * hz + 1e-9).floor() as i64),
             tally: Tally::new(tracks.cameras.len(), count),
         })
@@ -127,10 +130,17 @@ impl Triangulator {
             (_, seen, 0) => return Err(Error::NothingAgrees(seen)),
             _ => {}
         }
+        if let Some(share) = report.contradiction() {
+            let name =
+                |(camera, size, reach): (usize, _, _)| (self.tracks.cameras[camera].clone(), size, reach);
+            let beyond = self.rig.beyond().map(name);
+            return Err(Error::Contradiction { percent: 100.0 * share, beyond });
+        }
         let scale = self.scale.unwrap_or(Scale { noise: 0.0, spread: 0.0, outlier: 0.0 });
         (report.noise_px, report.outlier_px) = (scale.noise, scale.outlier);
         report.unaligned_views = self.aligner.left_out;
         report.swaps = self.strain.finish(&self.header.markers);
+        report.swaps.extend(self.exchange.finish(&self.tracks.cameras, &self.header.markers));
         Ok(Outcome { frames, report, timeline: self.tally.timeline })
     }
 
@@ -145,6 +155,7 @@ impl Triangulator {
         for frame in solved {
             self.tally.see_solved(&frame);
             self.strain.see(&frame);
+            self.exchange.see(&frame, &self.rig, scale);
             self.rest.see(&frame);
             self.window.push_back(frame);
         }
@@ -156,7 +167,7 @@ impl Triangulator {
             placed.extend(self.filler.finish());
         }
         placed.iter().for_each(|frame| self.tally.see_placed(frame));
-        placed.into_iter().map(|frame| self.measured(frame)).collect()
+        placed.into_par_iter().map(|frame| self.measured(frame)).collect()
     }
 
     /// Frames before and after that the filter looks at.
@@ -199,7 +210,7 @@ impl Triangulator {
             Some(Place {
                 position: position(marker).unwrap_or(fix.position),
                 status: SampleStatus::Measured,
-                covariance: Some(fix.covariance),
+                covariance: Some(fix.covariance * fix.doubt),
                 cameras: fix.used.iter().map(|(camera, _)| *camera).collect(),
             })
         };
@@ -232,7 +243,13 @@ impl Triangulator {
 
 /// Covariances are estimates: four significant digits say all that is known, and keep files small.
 fn four_digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+    let places = 3 - value.abs().log10().floor() as i32;
+    // A power of ten up to this is exact, and so is the quotient as a decimal number.
+    if !(0..=22).contains(&places) {
+        return format!("{value:.3e}").parse().unwrap_or(value);
+    }
+    let power = 10f64.powi(places);
+    (value * power).round() / power
 }
 
 /// Triangulates a whole take in memory; see [`Triangulator`].

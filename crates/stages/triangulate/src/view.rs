@@ -35,12 +35,16 @@ impl View {
         if cam.z <= 0.0 {
             return None;
         }
-        let (inverse, image) = (1.0 / cam.z, cam.xy() / cam.z);
-        let to_image = Matrix2x3::new(1.0, 0.0, -image.x, 0.0, 1.0, -image.y) * inverse;
+        let image = cam.xy() / cam.z;
+        let to_image = (self.rotation.fixed_rows::<2>(0) - image * self.rotation.row(2)) / cam.z;
         let to_pixel = Matrix2::from_diagonal(&self.lens.focal_px) * self.lens.distortion.jacobian(image);
-        let pixel =
-            self.lens.focal_px.component_mul(&self.lens.distortion.distort(image)) + self.lens.center_px;
-        Some((pixel, to_pixel * to_image * self.rotation))
+        Some((self.lens.project(cam), to_pixel * to_image))
+    }
+
+    /// The pixel of a point alone.
+    pub(crate) fn pixel(&self, point: &Point3<f64>) -> Option<Vector2<f64>> {
+        let cam = self.rotation * point.coords + self.translation;
+        (cam.z > 0.0).then(|| self.lens.project(cam))
     }
 
     /// Whether a pixel may be a point of this camera's image, `margin` px outside it included.

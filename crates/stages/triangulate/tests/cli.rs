@@ -101,6 +101,26 @@ fn bad_tracks_are_refused_with_their_place() {
 }
 
 #[test]
+fn a_calibration_of_larger_images_is_refused() {
+    let folder = folder();
+    let mut rig = scene::rig();
+    for camera in rig.cameras.values_mut() {
+        let (camera, twice) = (&mut camera.camera, 2.0);
+        camera.image_size = camera.image_size.map(|size| 2 * size);
+        camera.lens.focal_px *= twice;
+        camera.lens.center_px *= twice;
+    }
+    let path = folder.path().join("cameras.json");
+    std::fs::remove_file(&path).unwrap();
+    artifact::write_document(&path, &rig).unwrap().publish().unwrap();
+    refused(
+        folder.path(),
+        &[],
+        &["tracks.jsonl: the cameras contradict each other", "1312 × 980 px", "larger image size"],
+    );
+}
+
+#[test]
 fn usage_is_exit_2_and_the_help_says_it_all() {
     let folder = folder();
     assert_eq!(triangulate(folder.path(), &["--smooth-ms", "-1"]).status.code(), Some(2));

@@ -187,6 +187,49 @@ fn exchanged_labels_are_reported_with_their_frames() {
 }
 
 #[test]
+fn labels_exchanged_in_one_camera_are_reported_with_the_camera() {
+    let truth = still(40);
+    let mut seen = tracks(&rig(), &truth, 0.1, 13);
+    for frame in &mut seen[12..=20] {
+        frame.cameras[3].as_mut().unwrap().swap(16, 17);
+    }
+    let outcome = triangulate(&rig(), &header(), seen, None, &RAW).unwrap().1;
+    let [swap] = &outcome.report.swaps[..] else { panic!("{:?}", outcome.report.swaps) };
+    assert_eq!((swap.camera.as_deref(), swap.first, swap.last), (Some("m4"), 1013, 1021));
+    assert_eq!(swap.markers, ["p16", "p17"]);
+    assert!(rms(&outcome.frames, &truth) < 0.15, "the camera is left out");
+}
+
+/// A marker that one camera sees, and that two never saw: the sheet is curved, a plane through its neighbours would lie 2 mm
+/// behind it.
+#[test]
+fn a_lone_ray_meets_the_surface_of_the_neighbours() {
+    let truth = still(3);
+    let mut seen = tracks(&rig(), &truth, 0.05, 14);
+    for (frame, camera) in (0..3).flat_map(|frame| (0..5).map(move |camera| (frame, camera))) {
+        hide(&mut seen, frame, camera + usize::from(camera > 1), 24);
+    }
+    let outcome = triangulate(&rig(), &header(), seen, None, &RAW).unwrap().1;
+    let frame = &outcome.frames[1].markers;
+    assert_eq!(frame.status[24], SampleStatus::SingleCamera);
+    let off = (frame.points[24].unwrap() - truth[1][24]).norm();
+    assert!(off < 0.3, "{off}");
+}
+
+/// Cameras that stand where the calibration says that others do.
+#[test]
+fn cameras_that_contradict_each_other_are_refused() {
+    let seen = tracks(&rig(), &still(12), 0.1, 15);
+    let mut other = rig();
+    let poses: Vec<_> = other.cameras.values().map(|camera| camera.camera.cam_from_world).collect();
+    for (camera, pose) in other.cameras.values_mut().zip(poses.iter().cycle().skip(3)) {
+        camera.camera.cam_from_world = *pose;
+    }
+    let error = triangulate(&other, &header(), seen, None, &RAW).map(|_| ()).unwrap_err();
+    assert!(matches!(error, Error::Contradiction { .. } | Error::NothingAgrees(_)), "{error}");
+}
+
+#[test]
 fn what_cannot_be_triangulated_is_said() {
     let seen = tracks(&rig(), &still(3), 0.1, 12);
     let mut alone = seen.clone();

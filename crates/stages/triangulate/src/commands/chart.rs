@@ -13,6 +13,8 @@ const CHART: usize = 1024;
 const LANE: usize = 56;
 /// Height of a marker's row, px: captions fit.
 const ROW: usize = 15;
+/// Frame numbers along the charts.
+const TICKS: usize = 10;
 const INK: Color = [40, 40, 40];
 const GRID: Color = [225, 225, 225];
 const ERROR: Color = [31, 94, 168];
@@ -31,7 +33,7 @@ pub(crate) fn write(
     cameras: &[String],
     markers: &[String],
 ) -> anyhow::Result<Staged> {
-    let height = 60 + cameras.len() * (LANE + 8) + 50 + markers.len() * ROW + 20;
+    let height = 60 + cameras.len() * (LANE + 8) + 68 + markers.len() * ROW + 20;
     let mut canvas = Canvas::new(LEFT + CHART + 20, height)?;
     let last = timeline.first + timeline.columns.len() as i64 * timeline.span - 1;
     let title = format!(
@@ -52,8 +54,9 @@ pub(crate) fn write(
         lane(&mut canvas, timeline, camera, [id, &format!("{:.3} px", report.cameras[id].rms_px)], y, top);
         y += LANE + 8;
     }
-    legend(&mut canvas, y + 6);
-    y += 34;
+    ticks(&mut canvas, timeline, y);
+    legend(&mut canvas, y + 24);
+    y += 52;
     for (marker, id) in markers.iter().enumerate() {
         canvas.write(id, [8, y], INK);
         for (at, column) in timeline.columns.iter().enumerate() {
@@ -110,6 +113,18 @@ fn lane(canvas: &mut Canvas, timeline: &Timeline, camera: usize, captions: [&str
             let up = ((rms / top).min(1.0) * (LANE - 2) as f64) as usize;
             canvas.fill([x, y + LANE - 2 - up], [width, 2], ERROR);
         }
+    }
+}
+
+/// Frame numbers below the lanes.
+fn ticks(canvas: &mut Canvas, timeline: &Timeline, y: usize) {
+    let count = timeline.columns.len();
+    canvas.write("frame", [8, y], INK);
+    for tick in (0..TICKS).filter(|_| count >= TICKS) {
+        let at = tick * count / TICKS;
+        let (x, _) = place(timeline, at);
+        canvas.fill([x, y - 8], [1, 6], INK);
+        canvas.write(&(timeline.first + at as i64 * timeline.span).to_string(), [x, y], INK);
     }
 }
 
