@@ -45,5 +45,5 @@ mod writer;
 
 pub use codec::Codec;
 pub use error::Error;
-pub use reader::{Frame, VideoReader};
+pub use reader::{Frame, Passed, VideoReader};
 pub use writer::VideoWriter;

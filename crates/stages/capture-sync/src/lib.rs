@@ -39,6 +39,7 @@ mod correlation;
 mod course;
 mod error;
 mod flash;
+mod frame_times;
 mod line;
 mod params;
 mod reading;
@@ -51,6 +52,7 @@ mod timeline;
 
 pub use cadence::Cadence;
 pub use error::Error;
+pub use frame_times::{FrameTimes, frame_times};
 pub use params::{Mode, Params};
 pub use reading::{CELL_COUNT, Reading};
 pub use recording::{Image, Recording};

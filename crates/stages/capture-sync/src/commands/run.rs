@@ -1,11 +1,12 @@
 //! Take manifest and footage → sync, frames.
 
 use super::extract::extract;
-use super::footage_files::FootageFiles;
+use super::footage_files::{FootageFiles, Looking, Read};
 use anyhow::{anyhow, bail};
 use artifact::{Clock, FrameRange, FrameWriter, Frames, SyncFrame, Take, TakeRef, TimeBase, Timecode};
-use capture_sync::{CameraReport, Mode, Params, Synchronized, TakeClock, synchronize};
+use capture_sync::{CameraReport, Error, Mode, Params, Synchronized, TakeClock, synchronize};
 use clap::ValueEnum;
+use rayon::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -40,6 +41,9 @@ pub(crate) struct Run {
     /// Cameras to use [default: all that have footage]
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
     cameras: Vec<String>,
+    /// Go on with a video that ends early: the frames that are not there are gaps
+    #[arg(long)]
+    accept_short: bool,
     /// Write only sync.jsonl
     #[arg(long)]
     no_extract: bool,
@@ -135,20 +139,33 @@ impl Run {
         files: &[FootageFiles],
         params: &Params,
     ) -> anyhow::Result<Synchronized> {
+        // A video's own times start at 0 whenever it does.
+        let unstamped = files.iter().find(|files| params.mode == Mode::Timestamps && !files.is_stamped());
+        if let Some(files) = unstamped {
+            return Err(self.refused(&Error::NoStamps(files.camera.id.clone())));
+        }
         let needs_images = matches!(params.mode, Mode::Flash | Mode::Correlation);
         let look = |files: &FootageFiles| needs_images || !params.use_stamps || !files.is_stamped();
         let total: Option<u64> = files.iter().map(FootageFiles::image_count).sum();
         let progress = Mutex::new(run.progress("reading images", total));
-        let recordings = run.timed("read", || {
-            files
-                .iter()
-                .map(|files| files.recording(look(files), &progress))
-                .collect::<anyhow::Result<Vec<_>>>()
-        })?;
+        let looking =
+            |files| Looking { at_pixels: look(files), accept_short: self.accept_short, progress: &progress };
+        let read: Vec<anyhow::Result<Read>> =
+            run.timed("read", || files.par_iter().map(|files| files.recording(looking(files))).collect());
         drop(progress);
+        let mut recordings = Vec::with_capacity(files.len());
+        for camera in read {
+            let Read { recording, warnings } = camera?;
+            warnings.into_iter().for_each(|warning| run.warn(warning));
+            recordings.push(recording);
+        }
         let clock = TakeClock { rate: take.rate, first_frame: take.first_frame, clock: take.clock };
         run.timed("synchronize", || synchronize(&clock, &recordings, params))
-            .map_err(|error| anyhow!("{}: {error}\n  to do: {}", self.take.display(), error.fix()))
+            .map_err(|error| self.refused(&error))
+    }
+
+    fn refused(&self, error: &Error) -> anyhow::Error {
+        anyhow!("{}: {error}\n  to do: {}", self.take.display(), error.fix())
     }
 
     fn write(
@@ -167,6 +184,8 @@ impl Run {
         }
         let mut outputs = vec![sync.finish()?];
         if !self.no_extract {
+            // Until it is written anew, no list of images says that they are all there.
+            artifact::withdraw(&self.out.join("frames.json"))?;
             let mut cameras = BTreeMap::new();
             for files in files {
                 cameras.insert(files.camera.id.clone(), extract(run, files, frames, &self.out)?);
