@@ -32,6 +32,8 @@ mod staged;
 
 mod camera_file;
 mod cameras;
+#[cfg(feature = "canvas")]
+pub mod canvas;
 mod correspondence;
 mod frames;
 mod handles;
