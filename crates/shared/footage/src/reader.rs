@@ -12,6 +12,9 @@ use opencv::videoio::{
 };
 use std::path::{Path, PathBuf};
 
+/// Sound may go on so much longer than the pictures where only the length of the whole file is known, s.
+const TAIL_S: f64 = 0.5;
+
 /// A frame of a video.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
@@ -198,7 +201,14 @@ impl VideoReader {
         let frame = self.next_index();
         let is_cut = self.parts.ending != Ending::AsItShould;
         if !is_cut && !self.counts_frames() {
-            return None;
+            let hz = f64::from(self.rate.0) / f64::from(self.rate.1);
+            let length_s = self.claimed? as f64 / hz;
+            let is_short = self.last_time_s + 1.0 / hz < length_s - TAIL_S;
+            return is_short.then(|| Error::EndsEarly {
+                path: self.path.clone(),
+                frame,
+                claimed: self.claimed.unwrap_or(frame),
+            });
         }
         let claimed = self.claimed.or(is_cut.then_some(frame + 1))?;
         (frame < claimed).then(|| Error::EndsEarly { path: self.path.clone(), frame, claimed })

@@ -33,8 +33,10 @@
 //! # Ok::<(), capture_sync::Error>(())
 //! ```
 
+mod breaks;
 mod cadence;
 mod canonical;
+mod chart;
 mod correlation;
 mod course;
 mod error;
@@ -51,6 +53,7 @@ mod time_base;
 mod timeline;
 
 pub use cadence::Cadence;
+pub use chart::draw;
 pub use error::Error;
 pub use frame_times::{FrameTimes, frame_times};
 pub use params::{Mode, Params};
@@ -59,4 +62,4 @@ pub use recording::{Image, Recording};
 pub use skew::{Skew, Speeds, skews, speeds};
 pub use synchronize::{CameraReport, synchronize};
 pub use time_base::{Synchronized, TakeClock};
-pub use timeline::Timeline;
+pub use timeline::{Loss, Timeline};

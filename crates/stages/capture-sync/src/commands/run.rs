@@ -4,7 +4,7 @@ use super::extract::extract;
 use super::footage_files::{FootageFiles, Looking, Read};
 use anyhow::{anyhow, bail};
 use artifact::{Clock, FrameRange, FrameWriter, Frames, SyncFrame, Take, TakeRef, TimeBase, Timecode};
-use capture_sync::{CameraReport, Error, Mode, Params, Synchronized, TakeClock, synchronize};
+use capture_sync::{CameraReport, Error, Loss, Mode, Params, Synchronized, TakeClock, synchronize};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use serde_json::json;
@@ -48,6 +48,9 @@ pub(crate) struct Run {
     #[arg(long)]
     no_extract: bool,
 }
+
+/// Offsets that are less sure than this are pointed out, mocap frames.
+const SURE_FRAMES: f64 = 0.1;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ModeArgument {
@@ -211,6 +214,20 @@ fn report(
         run.say(&format!(
             "{id:<8} {images:>6}  {dropped:>7}  {doubled:>7}  {missing:>7}  {offset_frames:>13.3}  {drift_ppm:>9.1}"
         ));
+    }
+    for (id, camera) in &found.report {
+        for Loss { before_image, within, images } in &camera.losses {
+            run.warn(format!(
+                "camera {id}: {images} lost without a trace before image {before_image} (± {within}), as motion tells; they are gaps"
+            ));
+        }
+        if let Some(sigma) =
+            camera.sigma_frames.filter(|sigma| *sigma > SURE_FRAMES && found.zero_s.is_none())
+        {
+            run.warn(format!(
+                "camera {id}: its offset is known to ± {sigma:.2} frames only; a longer take, more motion or a flash tell more"
+            ));
+        }
     }
     run.result("frames", frames.len());
     run.result("first_frame", frames.first().map(|frame| frame.frame));
