@@ -33,6 +33,8 @@ mod staged;
 
 mod camera_file;
 mod cameras;
+#[cfg(feature = "canvas")]
+pub mod canvas;
 mod correspondence;
 mod frames;
 mod handles;
@@ -97,7 +99,7 @@ pub use sections::{
 pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
 pub use staged::{
     Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, require_new_folder, stage_bytes,
-    stage_link,
+    stage_link, withdraw,
 };
 pub use sync::{Shown, SyncCamera, SyncFrame, SyncHeader, SyncSource, TimeBase};
 pub use take::{Axis, Clock, Consent, Footage, Take, TakeCamera, TakeRef};

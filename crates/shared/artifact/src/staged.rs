@@ -76,6 +76,21 @@ pub fn remove_frames(folder: &Path, name: &str, ending: &str) -> Result<()> {
     Ok(())
 }
 
+/// Takes away the artifact of an earlier run, before what it refers to is written over: a run that is killed then leaves
+/// nothing that looks complete. Where there is none, nothing is done.
+///
+/// # Errors
+/// If the file cannot be removed.
+#[allow(clippy::disallowed_methods, reason = "this is the room where files end")]
+pub fn withdraw(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::io(path, "remove the earlier file", &cause))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// A file that is being written. It shows under its name only after [`Sink::finish`] and [`Staged::publish`].
 pub struct Sink {
     path: PathBuf,

@@ -14,6 +14,9 @@
 //! is broken FFmpeg says so on standard error, beside our own error; `OPENCV_FFMPEG_LOGLEVEL=-8` in the environment
 //! silences it.
 //!
+//! Frames are counted as they decode, never by seeking, and [`Error::EndsEarly`] says where a file is cut, or gives fewer than
+//! its list of frames promises; see [`VideoReader::counts_frames`] for containers without such a list.
+//!
 //! Pixels deeper than 8 bits: OpenCV's FFmpeg back-end converts all that it decodes to 8 bits a channel, so that nothing
 //! deeper can be had here; [`Frame`] is the place where it would come out.
 //!
@@ -45,5 +48,5 @@ mod writer;
 
 pub use codec::Codec;
 pub use error::Error;
-pub use reader::{Frame, VideoReader};
+pub use reader::{Frame, Passed, VideoReader};
 pub use writer::VideoWriter;

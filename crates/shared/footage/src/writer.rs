@@ -1,7 +1,7 @@
 //! Frames into a video file.
 
 use crate::swap::swap_red_blue;
-use crate::whole::{Ending, ending};
+use crate::whole::{Count, Ending, Whole, parts};
 use crate::{Codec, Error, VideoReader, quiet};
 use opencv::core::{CV_8UC3, Mat, Scalar, Size};
 use opencv::prelude::{MatTraitManual, VideoWriterTrait, VideoWriterTraitConst};
@@ -144,9 +144,12 @@ fn touch(path: &Path) -> std::io::Result<()> {
 #[allow(clippy::disallowed_methods, reason = "videos do not pass through `artifact`")]
 fn whole_frames(path: &Path) -> Result<u64, Error> {
     let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
-    match ending(file).map_err(Error::io(path, "read"))? {
-        Ending::AsItShould => Ok(VideoReader::open(path)?.claimed_frames().unwrap_or(0)),
-        Ending::Early { whole_frames } => Ok(whole_frames.unwrap_or(0)),
+    let parts = parts(file).map_err(Error::io(path, "read"))?;
+    match (parts.ending, parts.count) {
+        (Ending::AsItShould, Count::Counted(frames)) => Ok(frames),
+        (Ending::AsItShould, _) => Ok(VideoReader::open(path)?.claimed_frames().unwrap_or(0)),
+        (Ending::Early(Whole::First(frames)), _) => Ok(frames),
+        (Ending::Early(_), _) => Ok(0),
     }
 }
 

@@ -50,28 +50,80 @@ impl Pairs {
     /// Canonical correlations [Hotelling1936]: the singular values of Lx⁻¹ Σxy Ly⁻ᵀ, with Σxx = Lx Lxᵀ. Only the first so
     /// many components take part that there are ten pairs for each.
     pub(crate) fn likeness(&self) -> Likeness {
-        let used = (self.count / 10).min(COMPONENTS);
-        let whitened = || {
-            let n = self.count as f64;
-            let part = |m: &DMatrix<f64>, a: &DVector<f64>, b: &DVector<f64>| {
-                let m = m - a * b.transpose() / n;
-                m.view((0, 0), (used, used)).into_owned()
-            };
-            let factor = |mut m: DMatrix<f64>| {
-                let ridge = RIDGE * m.trace() / used as f64 + f64::MIN_POSITIVE;
-                (0..used).for_each(|i| m[(i, i)] += ridge);
-                Some(m.cholesky()?.l())
-            };
-            let lx = factor(part(&self.xx, &self.x, &self.x))?;
-            let ly = factor(part(&self.yy, &self.y, &self.y))?;
-            let left = lx.solve_lower_triangular(&part(&self.xy, &self.x, &self.y))?;
-            let both = ly.solve_lower_triangular(&left.transpose())?;
-            Some((&both * both.transpose()).symmetric_eigenvalues())
-        };
-        let Some(squares) = (used > 0).then(whitened).flatten() else { return Likeness::default() };
+        let Some(Whitened { both, .. }) = self.whitened() else { return Likeness::default() };
+        let squares = (&both * both.transpose()).symmetric_eigenvalues();
         let squares: Vec<f64> = squares.iter().map(|square| square.clamp(0.0, MOST * MOST)).collect();
         let nats = -0.5 * self.count as f64 * squares.iter().map(|square| (1.0 - square).ln()).sum::<f64>();
         let correlation = squares.iter().copied().fold(0.0, f64::max).sqrt();
         Likeness { nats, correlation, count: self.count }
+    }
+
+    /// The canonical variates: which combinations of changes the two have in common.
+    pub(crate) fn variates(&self) -> Vec<Variate> {
+        let Some(Whitened { both, lx, ly }) = self.whitened() else { return Vec::new() };
+        let n = self.count as f64;
+        let svd = both.svd(true, true);
+        let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Vec::new() };
+        let variate = |k: usize| {
+            let axis = |l: &DMatrix<f64>, unit: DVector<f64>| {
+                Some(l.transpose().solve_upper_triangular(&unit)? * n.sqrt())
+            };
+            // `both` has the reference's components as rows.
+            let (x, y) = (axis(&lx, v.row(k).transpose())?, axis(&ly, u.column(k).into_owned())?);
+            let mean = |axis: &DVector<f64>, sum: &DVector<f64>| axis.dot(&sum.rows(0, axis.len())) / n;
+            let means = [mean(&x, &self.x), mean(&y, &self.y)];
+            let axes = [x, y].map(|axis| axis.iter().copied().collect());
+            Some(Variate { axes, means, correlation: svd.singular_values[k].clamp(0.0, MOST) })
+        };
+        (0..svd.singular_values.len()).filter_map(variate).collect()
+    }
+
+    fn whitened(&self) -> Option<Whitened> {
+        let used = (self.count / 10).min(COMPONENTS);
+        let n = self.count as f64;
+        let part = |m: &DMatrix<f64>, a: &DVector<f64>, b: &DVector<f64>| {
+            let m = m - a * b.transpose() / n;
+            m.view((0, 0), (used, used)).into_owned()
+        };
+        let factor = |mut m: DMatrix<f64>| {
+            let ridge = RIDGE * m.trace() / used as f64 + f64::MIN_POSITIVE;
+            (0..used).for_each(|i| m[(i, i)] += ridge);
+            Some(m.cholesky()?.l())
+        };
+        if used == 0 {
+            return None;
+        }
+        let lx = factor(part(&self.xx, &self.x, &self.x))?;
+        let ly = factor(part(&self.yy, &self.y, &self.y))?;
+        let left = lx.solve_lower_triangular(&part(&self.xy, &self.x, &self.y))?;
+        let both = ly.solve_lower_triangular(&left.transpose())?;
+        Some(Whitened { both, lx, ly })
+    }
+}
+
+/// Ly⁻¹ Σyx Lx⁻ᵀ, and what whitens either side.
+struct Whitened {
+    both: DMatrix<f64>,
+    lx: DMatrix<f64>,
+    ly: DMatrix<f64>,
+}
+
+/// A combination of changes that two cameras have in common, of variance 1 in both.
+#[derive(Debug, Clone)]
+pub(crate) struct Variate {
+    axes: [Vec<f64>; 2],
+    means: [f64; 2],
+    correlation: f64,
+}
+
+impl Variate {
+    /// Log-likelihood ratio of "related" over "unrelated" of one pair of changes, nats.
+    pub(crate) fn nats(&self, x: &[f64], y: &[f64]) -> f64 {
+        let value = |side: usize, change: &[f64]| {
+            self.axes[side].iter().zip(change).map(|(a, b)| a * b).sum::<f64>() - self.means[side]
+        };
+        let (u, v, r) = (value(0, x), value(1, y), self.correlation);
+        let rest = 1.0 - r * r;
+        -0.5 * rest.ln() - r * (r * (u * u + v * v) - 2.0 * u * v) / (2.0 * rest)
     }
 }

@@ -3,8 +3,9 @@
 //! A scalar such as motion energy loses which way things move; with the main components of a coarse picture and canonical
 //! correlation, which finds by itself what two views have in common, the lag comes out several times finer.
 
+use crate::breaks::{Jump, Scores};
 use crate::canonical::{Likeness, Pairs};
-use crate::course::{COMPONENTS, Course, Point};
+use crate::course::{Course, Point};
 use crate::line::{Line, lower_median, median};
 use crate::timeline::{Paced, Timeline, stated_step};
 use crate::{Error, Params};
@@ -20,10 +21,12 @@ const LEAST_PAIRS: usize = 60;
 /// By how much the best lag must be likelier than the usual one, nats. Unrelated noise of 12 × 12 components scatters by
 /// √(144 / 2), by √2 more for changes that overlap: six times that.
 const LEAST_NATS: f64 = 72.0;
-/// Exposures of the windows that are looked at for breaks in short takes.
-const BREAK_EXPOSURES: usize = 100;
-/// Share of a camera's exposures that may be lost without a trace and still be noticed.
+/// Share of a camera's exposures that may be lost at one place and still be noticed.
 const BREAK_SHARE: f64 = 0.05;
+/// How often gaps are left and all is looked at again.
+const MOST_ROUNDS: usize = 20;
+/// Places where the reference lost images, as two cameras tell them, are this near to each other, exposures.
+const NEAR: i64 = 15;
 /// Steps of the fine search, mocap frames.
 const FINE: f64 = 0.25;
 /// How far from where it is expected a window's lag is looked for, mocap frames.
@@ -55,20 +58,66 @@ struct WindowLag {
 }
 
 /// When the cameras' exposures were, against the middle one of the mocap cameras; `guess`: where exposure 0 of each camera
-/// is looked for (mocap frames, and how far around), the first camera's included.
+/// is looked for (mocap frames, and how far around), the first camera's included. Where images were lost without a trace, the
+/// cameras' cadence gets a gap, and all is looked at again.
 pub(crate) fn timelines(
-    cameras: &[Paced],
+    cameras: &mut [Paced],
     guess: &[(f64, f64)],
     take_rate: Rate,
     params: &Params,
     source: SyncSource,
 ) -> Result<Vec<Timeline>, Error> {
-    let courses: Vec<Course> = cameras.par_iter().map(Course::of).collect::<Result<_, _>>()?;
     let steps: Vec<f64> = cameras.iter().map(|camera| stated_step(camera.recording, take_rate)).collect();
     let reference = reference(cameras, &steps);
-    let timeline = |c: usize| {
+    for _ in 0..MOST_ROUNDS {
+        let found = compare(cameras, guess, &steps, reference, params)?;
+        if !mend(cameras, &found, reference)? {
+            let timeline = |c: usize| match &found[c] {
+                None => Timeline { start: guess[c].0, step: steps[c], source, sigma_frames: None },
+                Some(Compared { line, sigma, .. }) => Timeline {
+                    start: guess[reference].0 + line.at_zero,
+                    step: steps[c] + line.slope,
+                    source,
+                    sigma_frames: Some(*sigma),
+                },
+            };
+            return Ok((0..cameras.len()).map(timeline).collect());
+        }
+    }
+    Err(Error::Unsteady)
+}
+
+/// A camera compared with the reference.
+struct Compared {
+    /// Its lag over the exposures, mocap frames, and its standard deviation.
+    line: Line,
+    sigma: f64,
+    jumps: Vec<Jump>,
+    /// Mocap frames between its exposures, and between the reference's.
+    step: f64,
+    reference_step: f64,
+}
+
+impl Compared {
+    /// The reference's exposure at the time of one of the camera's.
+    fn of_reference(&self, exposure: i64) -> i64 {
+        let exposure = exposure as f64;
+        ((exposure * self.step + self.line.at(exposure)) / self.reference_step).round() as i64
+    }
+}
+
+/// Compares all cameras with the reference; none for itself.
+fn compare(
+    cameras: &[Paced],
+    guess: &[(f64, f64)],
+    steps: &[f64],
+    reference: usize,
+    params: &Params,
+) -> Result<Vec<Option<Compared>>, Error> {
+    let courses: Vec<Course> = cameras.par_iter().map(Course::of).collect::<Result<_, _>>()?;
+    let compared = |c: usize| {
         if c == reference {
-            return Ok(Timeline { start: guess[c].0, step: steps[c], source, sigma_frames: None });
+            return Ok(None);
         }
         let pair = Pair {
             camera: &courses[c],
@@ -78,20 +127,76 @@ pub(crate) fn timelines(
             span: (2.0 / steps[c]).ceil() as i64,
         };
         let (center, radius) = (guess[c].0 - guess[reference].0, guess[c].1);
-        let (line, sigma) =
-            pair.line(center, radius, params).map_err(|correlation| Error::NoCorrelation {
-                camera: cameras[c].id().to_string(),
-                reference: cameras[reference].id().to_string(),
-                correlation,
-            })?;
-        if let Some(exposure) = pair.find_break(&line) {
+        let (line, sigma) = pair.line(center, radius, params).map_err(|found| {
             let (camera, reference) = (cameras[c].id().to_string(), cameras[reference].id().to_string());
-            return Err(Error::Break { camera, reference, exposure });
-        }
-        let (start, step) = (guess[reference].0 + line.at_zero, steps[c] + line.slope);
-        Ok(Timeline { start, step, source, sigma_frames: Some(sigma) })
+            match found.count < LEAST_PAIRS {
+                true => Error::TooShort { camera, count: found.count, least: LEAST_PAIRS },
+                false => Error::NoCorrelation { camera, reference, correlation: found.correlation },
+            }
+        })?;
+        let jumps = pair.jumps(&line);
+        Ok(Some(Compared { line, sigma, jumps, step: steps[c], reference_step: steps[reference] }))
     };
-    (0..cameras.len()).into_par_iter().map(timeline).collect()
+    (0..cameras.len()).into_par_iter().map(compared).collect::<Vec<_>>().into_iter().collect()
+}
+
+/// Leaves gaps where images were lost: first of the reference, which all cameras of its rate tell alike, then of the others.
+/// Whether there were any.
+fn mend(cameras: &mut [Paced], found: &[Option<Compared>], reference: usize) -> Result<bool, Error> {
+    let refuse = |c: usize, jump: &Jump, cameras: &[Paced]| Error::Break {
+        camera: cameras[c].id().to_string(),
+        reference: cameras[reference].id().to_string(),
+        exposure: jump.exposure,
+        is_stamped: cameras[c].is_stamped,
+    };
+    let of_reference = |compared: &Compared, jump: &Jump| {
+        let at = |exposure: i64| compared.of_reference(exposure);
+        (at(jump.exposure), at(*jump.places.start())..=at(*jump.places.end()))
+    };
+    let alike: Vec<usize> = (0..cameras.len())
+        .filter(|&c| {
+            found[c].as_ref().is_some_and(|found| (found.step / found.reference_step - 1.0).abs() < 0.01)
+        })
+        .collect();
+    let falls = |c: usize| {
+        let jumps =
+            found[c].iter().flat_map(|compared| compared.jumps.iter().map(move |jump| (compared, jump)));
+        jumps
+            .filter(|(_, jump)| jump.exposures < 0)
+            .map(|(compared, jump)| (of_reference(compared, jump), jump))
+    };
+    let all = alike.iter().flat_map(|&c| falls(c).map(move |fall| (c, fall)));
+    // The sharpest of the places that they name.
+    let sharpest = all.min_by_key(|(_, ((_, places), _))| places.end() - places.start());
+    if let Some((c, ((exposure, places), jump))) = sharpest {
+        let is_near = |other: i64| (places.start() - NEAR..=places.end() + NEAR).contains(&other);
+        let votes = alike.iter().filter(|&&c| falls(c).any(|((other, _), _)| is_near(other))).count();
+        if 2 * votes <= alike.len() || cameras[reference].is_stamped {
+            // Only this camera falls back: it has images that are not of its clock.
+            if jump.nats > LEAST_NATS {
+                return Err(refuse(c, jump, cameras));
+            }
+        } else {
+            cameras[reference].insert_gap(exposure, places, -jump.exposures);
+            return Ok(true);
+        }
+    }
+    let mut is_mended = false;
+    for c in 0..cameras.len() {
+        // From the last one on: the numbers of those before stay.
+        let jumps = found[c].iter().flat_map(|compared| compared.jumps.iter().rev());
+        for jump in jumps.filter(|jump| jump.exposures > 0) {
+            match cameras[c].is_stamped {
+                true if jump.nats > LEAST_NATS => return Err(refuse(c, jump, cameras)),
+                true => {}
+                false => {
+                    cameras[c].insert_gap(jump.exposure, jump.places.clone(), jump.exposures);
+                    is_mended = true;
+                }
+            }
+        }
+    }
+    Ok(is_mended)
 }
 
 /// The camera that the others are compared with: of the fastest ones that with the most exposures seen.
@@ -122,7 +227,7 @@ pub(crate) fn settle(timelines: &mut [Timeline], cameras: &[Paced], take_rate: R
 impl Pair<'_> {
     /// Lag of the camera's exposures over stated time, a line over the exposures (mocap frames), and its standard
     /// deviation; or the best correlation, where it is not enough.
-    fn line(&self, center: f64, radius: f64, params: &Params) -> Result<(Line, f64), f64> {
+    fn line(&self, center: f64, radius: f64, params: &Params) -> Result<(Line, f64), Likeness> {
         let first = self.search(center, radius)?;
         let count = (self.camera.len() / WINDOW_EXPOSURES).max(1);
         let window =
@@ -147,29 +252,32 @@ impl Pair<'_> {
         let points: Vec<(f64, f64)> = lags.iter().map(|lag| (lag.middle, lag.lag)).collect();
         let weights: Vec<f64> = lags.iter().map(|lag| lag.weight).collect();
         let prior = (0.0, params.drift_prior_ppm * 1e-6 * self.step);
-        let line = Line::fit(&points, &weights, Some(prior)).ok_or(0.0)?;
+        let line = Line::fit(&points, &weights, Some(prior)).ok_or(Likeness::default())?;
         Ok((line, weights.iter().sum::<f64>().sqrt().recip()))
     }
 
-    /// An exposure near which images were lost that the cadence does not know of: a window whose changes are much likelier
-    /// whole frames beside the line than on it.
-    fn find_break(&self, line: &Line) -> Option<i64> {
+    /// Where the lag jumps by whole exposures beside the line.
+    fn jumps(&self, line: &Line) -> Vec<Jump> {
         let length = self.camera.len();
-        let count = (length / WINDOW_EXPOSURES).max((length / BREAK_EXPOSURES).min(6)).max(1);
+        let mut pairs = Pairs::new();
+        let pair = |exposure: i64, beside: i64| {
+            let lag = |exposure: i64| line.at(exposure as f64) + beside as f64 * self.step;
+            self.changes(exposure, lag(exposure))
+        };
+        (0..length as i64).filter_map(|n| pair(n, 0)).for_each(|(x, y)| pairs.add(&x, &y));
         let reach = ((BREAK_SHARE * length as f64) as i64).clamp(3, 30);
-        (0..count).into_par_iter().find_map_first(|w| {
-            let window = (w * length / count) as i64..((w + 1) * length / count) as i64;
-            let nats = |beside: i64| {
-                self.likeness(window.clone(), &|n| line.at(n as f64) + beside as f64 * self.step).nats
-            };
-            let on_line = nats(0);
-            let beside = (-reach..=reach).map(nats).fold(0.0, f64::max);
-            (beside > on_line + LEAST_NATS).then_some(window.start)
-        })
+        Scores::new(length, reach, &pairs.variates(), pair).jumps()
+    }
+
+    /// The changes of both cameras up to an exposure, at a lag, mocap frames.
+    fn changes(&self, exposure: i64, lag: f64) -> Option<(Point, Point)> {
+        let at = |exposure: i64| self.reference.at((exposure as f64 * self.step + lag) / self.reference_step);
+        let (x, a, b) = (self.change(exposure)?, at(exposure - self.span)?, at(exposure)?);
+        Some((x, std::array::from_fn(|i| b[i] - a[i])))
     }
 
     /// The lag where the camera moves most, by whole frames within the radius, then finely.
-    fn search(&self, center: f64, radius: f64) -> Result<WindowLag, f64> {
+    fn search(&self, center: f64, radius: f64) -> Result<WindowLag, Likeness> {
         let window = self.liveliest();
         let reach = (radius / self.reference_step).ceil() as i64;
         let lag = |shift: i64| center + shift as f64 * self.reference_step;
@@ -181,9 +289,9 @@ impl Pair<'_> {
         let best = (0..found.len()).max_by(|&a, &b| found[a].nats.total_cmp(&found[b].nats)).unwrap_or(0);
         let is_clear = found.len() < 5 || found[best].nats > usual + LEAST_NATS;
         if !is_clear || found[best].count < LEAST_PAIRS {
-            return Err(found[best].correlation);
+            return Err(found[best]);
         }
-        self.window_lag(window, lag(best as i64 - reach)).ok_or(found[best].correlation)
+        self.window_lag(window, lag(best as i64 - reach)).ok_or(found[best])
     }
 
     /// The exposures around the most motion.
@@ -207,17 +315,8 @@ impl Pair<'_> {
     /// How much the camera's changes have in common with the reference's at a lag (mocap frames, by exposure).
     fn likeness(&self, window: std::ops::Range<i64>, lag: &dyn Fn(i64) -> f64) -> Likeness {
         let mut pairs = Pairs::new();
-        for exposure in window {
-            let at = |exposure: i64| {
-                self.reference.at((exposure as f64 * self.step + lag(exposure)) / self.reference_step)
-            };
-            if let (Some(x), Some(a), Some(b)) =
-                (self.change(exposure), at(exposure - self.span), at(exposure))
-            {
-                let y: [f64; COMPONENTS] = std::array::from_fn(|i| b[i] - a[i]);
-                pairs.add(&x, &y);
-            }
-        }
+        let changes = window.filter_map(|exposure| self.changes(exposure, lag(exposure)));
+        changes.for_each(|(x, y)| pairs.add(&x, &y));
         pairs.likeness()
     }
 

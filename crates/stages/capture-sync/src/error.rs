@@ -38,10 +38,21 @@ pub enum Error {
         /// The best that was found.
         correlation: f64,
     },
-    /// Images were lost, and nothing but what moves tells of it.
-    #[error(
-        "camera {camera}: falls out of step with camera {reference} near its exposure {exposure}: images were lost there"
-    )]
+    /// Too few images to correlate.
+    #[error("camera {camera}: {count} pairs of images are too few to correlate; {least} are needed")]
+    TooShort {
+        /// The camera.
+        camera: String,
+        /// Images that both cameras have.
+        count: usize,
+        /// How many are needed.
+        least: usize,
+    },
+    /// New breaks are found wherever one is mended.
+    #[error("the cameras' images fall out of step at ever new places")]
+    Unsteady,
+    /// Two cameras fall out of step, and not as lost images would make them.
+    #[error("camera {camera}: falls out of step with camera {reference} near its exposure {exposure}")]
     Break {
         /// The camera.
         camera: String,
@@ -49,6 +60,8 @@ pub enum Error {
         reference: String,
         /// Where, about: exposures since its first image.
         exposure: i64,
+        /// Whether its time stamps say otherwise.
+        is_stamped: bool,
     },
     /// No flash.
     #[error("camera {0}: no flash is seen in its images")]
@@ -92,7 +105,11 @@ impl Error {
             Self::NoCorrelation { .. } => {
                 "say a larger --search-s, or --mode flash, stated or timestamps; a still or unseen face cannot be correlated"
             }
-            Self::Break { .. } => {
+            Self::TooShort { .. } => "record longer, or say --mode flash, stated or timestamps",
+            Self::Break { is_stamped: true, .. } => {
+                "check that these are the time stamps of this footage, or say --ignore-timestamps"
+            }
+            Self::Unsteady | Self::Break { .. } => {
                 "give time stamps, which say which images were lost, or number the image files by exposure"
             }
             Self::NoFlash(_) | Self::Flashes { .. } => {

@@ -33,12 +33,15 @@
 //! # Ok::<(), capture_sync::Error>(())
 //! ```
 
+mod breaks;
 mod cadence;
 mod canonical;
+mod chart;
 mod correlation;
 mod course;
 mod error;
 mod flash;
+mod frame_times;
 mod line;
 mod params;
 mod reading;
@@ -50,11 +53,13 @@ mod time_base;
 mod timeline;
 
 pub use cadence::Cadence;
+pub use chart::draw;
 pub use error::Error;
+pub use frame_times::{FrameTimes, frame_times};
 pub use params::{Mode, Params};
 pub use reading::{CELL_COUNT, Reading};
 pub use recording::{Image, Recording};
 pub use skew::{Skew, Speeds, skews, speeds};
 pub use synchronize::{CameraReport, synchronize};
 pub use time_base::{Synchronized, TakeClock};
-pub use timeline::Timeline;
+pub use timeline::{Loss, Timeline};

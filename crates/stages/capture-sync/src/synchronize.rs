@@ -2,7 +2,7 @@
 
 use crate::cadence::Cadence;
 use crate::time_base::{self, Synchronized, TakeClock};
-use crate::timeline::{Paced, Timeline};
+use crate::timeline::{Loss, Paced, Timeline};
 use crate::{Error, Mode, Params, Recording, correlation, flash, stamps};
 use artifact::{SyncHeader, SyncSource};
 use serde::Serialize;
@@ -25,6 +25,8 @@ pub struct CameraReport {
     pub drift_ppm: f64,
     /// Standard deviation of the offset, or of the stamps about their line, mocap frames.
     pub sigma_frames: Option<f64>,
+    /// Those of the dropped images of which only motion told, and where.
+    pub losses: Vec<Loss>,
 }
 
 /// Finds the time base of a take's cameras.
@@ -49,11 +51,16 @@ pub fn synchronize(
     if let Some(empty) = recordings.iter().find(|recording| recording.images.is_empty()) {
         return Err(Error::NoImages(empty.id.clone()));
     }
-    let cameras: Vec<Paced> = recordings
+    let mut cameras: Vec<Paced> = recordings
         .iter()
-        .map(|recording| Paced { recording, cadence: Cadence::of(recording, params.use_stamps) })
+        .map(|recording| Paced {
+            recording,
+            cadence: Cadence::of(recording, params.use_stamps),
+            is_stamped: params.use_stamps && recording.is_stamped(),
+            losses: Vec::new(),
+        })
         .collect();
-    let (lines, zero_s) = timelines(&cameras, clock, params)?;
+    let (lines, zero_s) = timelines(&mut cameras, clock, params)?;
     let sync = cameras
         .iter()
         .zip(&lines)
@@ -71,6 +78,7 @@ pub fn synchronize(
             offset_frames: sync.offset_frames,
             drift_ppm: sync.drift_ppm,
             sigma_frames: line.sigma_frames,
+            losses: camera.losses.clone(),
         };
         (camera.id().to_string(), report)
     });
@@ -84,13 +92,14 @@ fn of_take(recording: &Recording) -> Recording {
 }
 
 fn timelines(
-    cameras: &[Paced],
+    cameras: &mut [Paced],
     clock: &TakeClock,
     params: &Params,
 ) -> Result<(Vec<Timeline>, Option<f64>), Error> {
-    let stated = || cameras.iter().map(|camera| Timeline::stated(camera.recording, clock.rate));
+    let stated: Vec<Timeline> =
+        cameras.iter().map(|camera| Timeline::stated(camera.recording, clock.rate)).collect();
     match params.mode {
-        Mode::Stated => Ok((stated().collect(), None)),
+        Mode::Stated => Ok((stated, None)),
         Mode::Timestamps => {
             let (lines, zero) = stamps::timelines(cameras, clock.rate, params)?;
             Ok((lines, Some(zero)))
@@ -110,7 +119,7 @@ fn timelines(
         }
         Mode::Correlation => {
             let guess: Vec<(f64, f64)> =
-                stated().map(|line| (line.start, params.search_s * clock.rate.hz())).collect();
+                stated.iter().map(|line| (line.start, params.search_s * clock.rate.hz())).collect();
             let mut lines =
                 correlation::timelines(cameras, &guess, clock.rate, params, SyncSource::Correlation)?;
             correlation::settle(&mut lines, cameras, clock.rate);

@@ -3,6 +3,8 @@
 use crate::cadence::Cadence;
 use crate::recording::Recording;
 use artifact::{Rate, SyncSource};
+use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// When a camera's exposures were, in mocap frames since the take's first: exposure n at `start + step · n`.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,10 +51,41 @@ pub(crate) fn stated_step(recording: &Recording, take_rate: Rate) -> f64 {
 pub(crate) struct Paced<'a> {
     pub(crate) recording: &'a Recording,
     pub(crate) cadence: Cadence,
+    /// Whether time stamps say which images were lost.
+    pub(crate) is_stamped: bool,
+    /// Images that were lost as motion tells.
+    pub(crate) losses: Vec<Loss>,
+}
+
+/// Images that were lost without a trace but that the camera fell out of step with the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Loss {
+    /// Index of the first image after them.
+    pub before_image: i64,
+    /// How many images further on or back it may be.
+    pub within: i64,
+    /// How many were lost.
+    pub images: i64,
 }
 
 impl Paced<'_> {
     pub(crate) fn id(&self) -> &str {
         &self.recording.id
+    }
+
+    /// Leaves a gap before an exposure. An image near by that repeats the one before it stands in the place of one of those
+    /// that were lost: the gap is there.
+    pub(crate) fn insert_gap(&mut self, exposure: i64, places: RangeInclusive<i64>, images: i64) {
+        let Cadence { exposures, repeats } = &mut self.cadence;
+        let near = places.start() - 1..=places.end() + 1;
+        let stale = (0..exposures.len()).find(|&i| repeats[i] && near.contains(&exposures[i]));
+        let at = stale.unwrap_or_else(|| exposures.partition_point(|other| *other < exposure));
+        let Some(image) = self.recording.images.get(at) else { return };
+        exposures[at..].iter_mut().for_each(|other| *other += images);
+        let within = match stale {
+            Some(_) => 0,
+            None => (exposure - places.start()).max(places.end() - exposure),
+        };
+        self.losses.push(Loss { before_image: image.index, within, images });
     }
 }

@@ -164,3 +164,14 @@ fn the_help_says_it_all() {
         insta::assert_snapshot!(name, String::from_utf8_lossy(&output.stdout));
     }
 }
+
+#[test]
+fn check_draws_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    take(&folder);
+    assert!(call(&folder, &["run", "take.json", "--out", "out", "--no-extract"]).status.success());
+    assert!(call(&folder, &["check", "out/sync.jsonl", "--picture", "sync.png"]).status.success());
+    let drawn = picture::read_rgb(&folder.path().join("sync.png")).unwrap();
+    let red = drawn.to_8_bits().chunks_exact(3).filter(|pixel| *pixel == [206, 40, 40]).count();
+    assert!(red > 100, "the lost image shows: {red} red pixels");
+}

@@ -1,10 +1,10 @@
 //! How far the cameras are apart, in ms and in mm.
 
 use anyhow::bail;
-use artifact::{FrameReader, SyncFrame, TimeBase, Trajectories3d};
-use capture_sync::{Skew, skews, speeds};
+use artifact::{FrameReader, SyncFrame, SyncHeader, TimeBase, Trajectories3d, picture};
+use capture_sync::{Skew, draw, skews, speeds};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Report each camera's skew in ms, and what it means in mm where markers move
 #[derive(clap::Args)]
@@ -17,6 +17,9 @@ pub(crate) struct Check {
     /// Markers whose speed is measured (trajectories-3d, .c3d, .trc): 95 % of their steps are slower
     #[arg(long, value_name = "FILE")]
     markers: Option<PathBuf>,
+    /// Draw per camera its lag over the take, and where images are missing (.png)
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     /// End with exit code 1 if a camera's skew is more than this, ms
     #[arg(long, value_name = "MS", value_parser = speed)]
     max_ms: Option<f64>,
@@ -42,19 +45,7 @@ impl Check {
         }
         let speed = match &self.markers {
             None => self.speed,
-            Some(path) => {
-                let markers = run.markers::<Trajectories3d>(path, None)?;
-                run.input("markers", path)?;
-                let rate = markers.header.rate.unwrap_or(header.rate);
-                let Some(speeds) = speeds(&markers.frames, rate) else {
-                    bail!(
-                        "{}: no marker is seen in two neighbouring frames\n  to do: say --speed",
-                        path.display()
-                    );
-                };
-                run.result("speed_median_mm_s", speeds.median_mm_s);
-                Some(speeds.p95_mm_s)
-            }
+            Some(path) => Some(measured_speed(run, path, &header)?),
         };
         run.result("speed_mm_s", speed);
         let skews = skews(&header, &frames, speed);
@@ -63,6 +54,10 @@ impl Check {
         let worst = skews.values().map(|skew| skew.worst_ms.abs()).fold(0.0, f64::max);
         run.result("worst_ms", worst);
         run.result("cameras", &skews);
+        if let Some(path) = &self.picture {
+            let drawn = draw(&header, &frames)?;
+            run.publish(vec![picture::write_rgb8(path, drawn.width, drawn.height, &drawn.rgb)?])?;
+        }
         if let Some(most) = self.max_ms.filter(|most| worst > *most) {
             run.object(format!(
                 "{}: a camera is {worst:.3} ms off, more than {most} ms",
@@ -71,6 +66,18 @@ impl Check {
         }
         Ok(())
     }
+}
+
+/// The speed that 95 % of the markers' steps stay below, mm/s.
+fn measured_speed(run: &mut stage::Run, path: &Path, header: &SyncHeader) -> anyhow::Result<f64> {
+    let markers = run.markers::<Trajectories3d>(path, None)?;
+    run.input("markers", path)?;
+    let rate = markers.header.rate.unwrap_or(header.rate);
+    let Some(speeds) = speeds(&markers.frames, rate) else {
+        bail!("{}: no marker is seen in two neighbouring frames\n  to do: say --speed", path.display());
+    };
+    run.result("speed_median_mm_s", speeds.median_mm_s);
+    Ok(speeds.p95_mm_s)
 }
 
 fn row(id: &str, skew: &Skew) -> String {

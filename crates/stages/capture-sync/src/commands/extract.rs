@@ -37,7 +37,10 @@ pub(super) fn extract(
         images,
         image_size: camera.image_size,
         transfer: camera.transfer.clone(),
-        bit_depth: camera.bit_depth,
+        bit_depth: match &files.source {
+            Source::Pictures(..) => camera.bit_depth,
+            Source::Video(_) => 8,
+        },
         frames: FrameRun::runs(&wanted.iter().map(|(frame, _)| *frame).collect::<Vec<_>>()),
     })
 }
@@ -82,8 +85,14 @@ mod video {
     use super::{FootageFiles, Path, Progress, anyhow};
     use anyhow::bail;
     use artifact::picture;
-    use footage::VideoReader;
+    use footage::{Frame, VideoReader};
+    use rayon::prelude::*;
 
+    /// Pictures that are written side by side.
+    const BATCH: usize = 32;
+
+    /// Writes the wanted frames as PNG. All frames before them are decoded, none is jumped over: seeking lands beside the
+    /// frame that was asked for in many a file.
     pub(super) fn write(
         files: &FootageFiles,
         path: &Path,
@@ -92,29 +101,43 @@ mod video {
         out: &Path,
         progress: &mut Progress,
     ) -> anyhow::Result<()> {
-        let fail = |error: footage::Error| anyhow!("camera {}: {error}", files.camera.id);
-        let reader = VideoReader::open(path).map_err(fail)?;
+        let mut reader =
+            VideoReader::open(path).map_err(|error| anyhow!("camera {}: {error}", files.camera.id))?;
         let [width, height] = reader.image_size().map(|side| side as usize);
-        let mut wanted = wanted.iter().copied().peekable();
-        for frame in reader {
-            // What follows the last wanted frame need not be decodable.
-            if wanted.peek().is_none() {
+        for batch in wanted.chunks(BATCH) {
+            let frames: Vec<(i64, Frame)> = batch
+                .iter()
+                .map(|&(number, index)| Ok((number, frame(&mut reader, files, path, index)?)))
+                .collect::<anyhow::Result<_>>()?;
+            frames.par_iter().try_for_each(|(number, frame)| {
+                let to = out.join(artifact::image_path(images, *number));
+                picture::write_rgb8(&to, width, height, &frame.rgb)?.publish()
+            })?;
+            batch.iter().for_each(|_| progress.step());
+        }
+        Ok(())
+    }
+
+    /// Goes on to a frame.
+    fn frame(
+        reader: &mut VideoReader,
+        files: &FootageFiles,
+        path: &Path,
+        index: i64,
+    ) -> anyhow::Result<Frame> {
+        let fail = |error: footage::Error| anyhow!("camera {}: {error}", files.camera.id);
+        while i64::try_from(reader.next_index()).is_ok_and(|position| position < index) {
+            if reader.pass().transpose().map_err(fail)?.is_none() {
                 break;
             }
-            let frame = frame.map_err(fail)?;
-            while let Some((number, _)) = wanted.next_if(|(_, index)| *index == frame.index as i64) {
-                let to = out.join(artifact::image_path(images, number));
-                picture::write_rgb8(&to, width, height, &frame.rgb)?.publish()?;
-                progress.step();
-            }
         }
-        match wanted.next() {
-            Some((_, index)) => bail!(
-                "{}: camera {} has no frame {index}\n  to do: copy the file again; it may have been cut",
+        match reader.next().transpose().map_err(fail)? {
+            Some(frame) if frame.index as i64 == index => Ok(frame),
+            _ => bail!(
+                "{}: camera {} has no frame {index}\n  to do: run again; the file was changed meanwhile",
                 path.display(),
                 files.camera.id
             ),
-            None => Ok(()),
         }
     }
 }

@@ -18,6 +18,30 @@ pub(super) struct FootageFiles {
     stamps: Option<(PathBuf, Vec<TimeStamp>)>,
 }
 
+/// How footage is read.
+#[derive(Clone, Copy)]
+pub(super) struct Looking<'a> {
+    /// Whether pixels are looked at.
+    pub(super) at_pixels: bool,
+    /// Whether a video that ends early will do.
+    pub(super) accept_short: bool,
+    pub(super) progress: &'a Mutex<stage::Progress>,
+}
+
+impl Looking<'_> {
+    fn step(&self) {
+        if let Ok(mut progress) = self.progress.lock() {
+            progress.step();
+        }
+    }
+}
+
+/// A camera's recording, and what is odd about its footage.
+pub(super) struct Read {
+    pub(super) recording: Recording,
+    pub(super) warnings: Vec<String>,
+}
+
 /// Where the images are.
 pub(super) enum Source {
     /// Numbered files: the pattern with the manifest's folder, and the numbers that are there.
@@ -72,54 +96,82 @@ impl FootageFiles {
     pub(super) fn image_count(&self) -> Option<u64> {
         match &self.source {
             Source::Pictures(_, numbers) => Some(numbers.len() as u64),
-            Source::Video(_) => None,
+            Source::Video(path) => video::frame_count(path),
         }
     }
 
-    /// The recording: the images' numbers and stamps, and with `look` what is read from their pixels.
-    pub(super) fn recording(
-        &self,
-        look: bool,
-        progress: &Mutex<stage::Progress>,
-    ) -> anyhow::Result<Recording> {
-        let id = self.camera.id.clone();
+    /// The recording: the images' numbers and stamps, and what is read from their pixels where they are looked at.
+    pub(super) fn recording(&self, looking: Looking) -> anyhow::Result<Read> {
+        let mut warnings = Vec::new();
         let mut images = match &self.source {
-            Source::Pictures(pattern, numbers) => self.pictures(pattern, numbers, look, progress)?,
-            Source::Video(path) => video::images(self, path, look, progress)?,
+            Source::Pictures(pattern, numbers) => self.pictures(pattern, numbers, looking)?,
+            Source::Video(path) => video::images(self, path, looking, &mut warnings)?,
         };
         images.retain(|image| image.index >= self.first);
         if let Some((path, stamps)) = &self.stamps {
-            for image in &mut images {
-                let at = stamps.binary_search_by_key(&image.index, |stamp| stamp.index);
-                let Ok(at) = at else {
-                    bail!(
-                        "{}: camera {id} has an image {} without a time stamp\n  to do: export the stamps of all its images, or say --ignore-timestamps",
-                        path.display(),
-                        image.index
-                    );
-                };
-                image.time_s = Some(stamps[at].time_s);
-            }
+            self.stamp(&mut images, path, stamps)?;
+            warnings.extend(self.ends_before(&images, path, stamps, looking.accept_short)?);
         }
-        Ok(Recording { id, rate: self.camera.rate, first: self.first, images })
+        let (id, rate, first) = (self.camera.id.clone(), self.camera.rate, self.first);
+        Ok(Read { recording: Recording { id, rate, first, images }, warnings })
     }
 
-    fn pictures(
+    fn stamp(&self, images: &mut [Image], path: &Path, stamps: &[TimeStamp]) -> anyhow::Result<()> {
+        for image in images {
+            let Ok(at) = stamps.binary_search_by_key(&image.index, |stamp| stamp.index) else {
+                bail!(
+                    "{}: camera {} has an image {} without a time stamp\n  to do: export the stamps of all its images, or say --ignore-timestamps",
+                    path.display(),
+                    self.camera.id,
+                    image.index
+                );
+            };
+            image.time_s = Some(stamps[at].time_s);
+        }
+        Ok(())
+    }
+
+    /// A video must have a frame for every stamp: its frames have no numbers of their own, and where one was lost all later
+    /// ones would have another's stamp.
+    fn ends_before(
         &self,
-        pattern: &Path,
-        numbers: &[i64],
-        look: bool,
-        progress: &Mutex<stage::Progress>,
-    ) -> anyhow::Result<Vec<Image>> {
+        images: &[Image],
+        stamps_path: &Path,
+        stamps: &[TimeStamp],
+        accept_short: bool,
+    ) -> anyhow::Result<Option<String>> {
+        let (Source::Video(path), Some(last), Some(stamped)) =
+            (&self.source, images.last(), stamps.last().map(|stamp| stamp.index))
+        else {
+            return Ok(None);
+        };
+        if stamped <= last.index {
+            return Ok(None);
+        }
+        let what = format!(
+            "{}: camera {}'s last frame is {}, but {} has stamps up to frame {stamped}",
+            path.display(),
+            self.camera.id,
+            last.index,
+            stamps_path.display()
+        );
+        match accept_short {
+            true => Ok(Some(format!("{what}; the frames that are not there are gaps"))),
+            false => bail!(
+                "{what}\n  to do: copy or convert the video again, without leaving out frames; if only its end is lost, say --accept-short"
+            ),
+        }
+    }
+
+    fn pictures(&self, pattern: &Path, numbers: &[i64], looking: Looking) -> anyhow::Result<Vec<Image>> {
+        let look = looking.at_pixels;
         let read = |(place, &index): (usize, &i64)| {
             // One picture shows whether the manifest describes this footage, also where none needs to be read.
             let reading = match look || place == 0 {
                 true => Some(self.reading(&picture_path(pattern, index))?),
                 false => None,
             };
-            if let Ok(mut progress) = progress.lock() {
-                progress.step();
-            }
+            looking.step();
             Ok(Image { index, time_s: None, reading: reading.filter(|_| look) })
         };
         numbers.par_iter().enumerate().map(|(place, index)| read((place, index))).collect()
@@ -159,45 +211,143 @@ pub(super) fn picture_path(pattern: &Path, number: i64) -> PathBuf {
 
 #[cfg(feature = "video")]
 mod video {
-    use super::{FootageFiles, Image, Mutex, Path, Reading, anyhow};
-    use footage::VideoReader;
+    use super::{FootageFiles, Image, Looking, Path, Reading};
+    use anyhow::{anyhow, bail};
+    use capture_sync::{FrameTimes, frame_times};
+    use footage::{Error, VideoReader};
 
+    /// A container's rate may be this far from the take's, as a share; rates are written with few digits.
+    const RATE_TOLERANCE: f64 = 2e-3;
+
+    pub(super) fn frame_count(path: &Path) -> Option<u64> {
+        VideoReader::open(path).ok()?.claimed_frames()
+    }
+
+    /// The frames in the order of the file, each decoded once: what the container says of their number is not believed.
     pub(super) fn images(
         files: &FootageFiles,
         path: &Path,
-        look: bool,
-        progress: &Mutex<stage::Progress>,
+        looking: Looking,
+        warnings: &mut Vec<String>,
     ) -> anyhow::Result<Vec<Image>> {
-        let fail = |error: footage::Error| anyhow!("camera {}: {error}", files.camera.id);
-        let reader = VideoReader::open(path).map_err(fail)?;
-        let [width, height] = reader.image_size();
-        files.check_size(path, [width, height])?;
-        let image = |index: u64, reading| Image { index: index as i64, time_s: None, reading };
-        if let (false, Some(count)) = (look, reader.claimed_frames()) {
-            return Ok((0..count).map(|index| image(index, None)).collect());
-        }
-        let read = |frame: Result<footage::Frame, footage::Error>| {
-            let frame = frame.map_err(fail)?;
-            if let Ok(mut progress) = progress.lock() {
-                progress.step();
+        let id = &files.camera.id;
+        let fail = |error: Error| anyhow!("camera {id}: {error}");
+        let mut reader = VideoReader::open(path).map_err(fail)?;
+        files.check_size(path, reader.image_size())?;
+        let (mut images, mut times) = (Vec::new(), Vec::new());
+        loop {
+            match next(&mut reader, looking.at_pixels) {
+                None => break,
+                Some(Ok((image, time_s))) => {
+                    looking.step();
+                    images.push(image);
+                    times.push(time_s);
+                }
+                Some(Err(Error::EndsEarly { frame, claimed, .. })) => {
+                    warnings.push(ends_early(path, id, [frame, claimed], looking.accept_short)?);
+                }
+                Some(Err(error)) => return Err(fail(error)),
             }
-            let reading = look.then(|| Reading::of(width as usize, height as usize, &frame.rgb));
-            Ok(image(frame.index, reading))
-        };
-        reader.map(read).collect()
+        }
+        if images.is_empty() {
+            bail!("{}: camera {id}: no frame can be decoded\n  to do: copy the file again", path.display());
+        }
+        if files.stamps.is_none() {
+            use_container_times(files, path, &mut images, &times, warnings)?;
+        }
+        if files.camera.bit_depth > 8 {
+            warnings.push(format!(
+                "{}: camera {id}: of its {} bits a channel 8 are used: OpenCV decodes videos no deeper",
+                path.display(),
+                files.camera.bit_depth
+            ));
+        }
+        Ok(images)
+    }
+
+    /// The next frame, and when its container shows it.
+    fn next(reader: &mut VideoReader, at_pixels: bool) -> Option<Result<(Image, Option<f64>), Error>> {
+        let image = |index: u64, reading| Image { index: index as i64, time_s: None, reading };
+        if !at_pixels {
+            return Some(reader.pass()?.map(|passed| (image(passed.index, None), passed.time_s)));
+        }
+        let [width, height] = reader.image_size().map(|side| side as usize);
+        Some(
+            reader.next()?.map(|frame| {
+                (image(frame.index, Some(Reading::of(width, height, &frame.rgb))), frame.time_s)
+            }),
+        )
+    }
+
+    fn ends_early(
+        path: &Path,
+        id: &str,
+        [frame, claimed]: [u64; 2],
+        accept_short: bool,
+    ) -> anyhow::Result<String> {
+        let what = format!(
+            "{}: camera {id}: ends early: frame {frame} of {claimed} is missing or damaged",
+            path.display()
+        );
+        match accept_short {
+            true => Ok(format!("{what}; the {frame} frames before it are used, what follows is a gap")),
+            false => bail!(
+                "{what}\n  to do: copy the file again, or say --accept-short to go on with the {frame} frames before it"
+            ),
+        }
+    }
+
+    /// Gaps in the container's times are lost frames, which the frames' numbers do not tell.
+    fn use_container_times(
+        files: &FootageFiles,
+        path: &Path,
+        images: &mut [Image],
+        times: &[Option<f64>],
+        warnings: &mut Vec<String>,
+    ) -> anyhow::Result<()> {
+        let (id, stated) = (&files.camera.id, files.camera.rate);
+        let FrameTimes { rate_hz: Some(rate_hz), uneven_s } = frame_times(times) else { return Ok(()) };
+        let what = (rate_hz / stated.hz() - 1.0).abs() > RATE_TOLERANCE;
+        let what = what.then(|| {
+            format!(
+                "{}: camera {id}'s frames are {rate_hz:.3} Hz apart in the file, but the take manifest says {stated}",
+                path.display()
+            )
+        });
+        match (uneven_s, what) {
+            (None, None) => {}
+            (None, Some(what)) => {
+                warnings.push(format!("{what}; the manifest's rate counts: correct it there if it is wrong"));
+            }
+            (Some(_), Some(what)) => bail!(
+                "{what}, and some are further apart\n  to do: state the rate that the file has in the manifest, or give time stamps"
+            ),
+            (Some(uneven_s), None) => {
+                images.iter_mut().zip(uneven_s).for_each(|(image, time_s)| image.time_s = Some(time_s));
+                warnings.push(format!(
+                    "{}: camera {id}'s frames come at uneven times; the gaps are taken as lost frames",
+                    path.display()
+                ));
+            }
+        }
+        Ok(())
     }
 }
 
 #[cfg(not(feature = "video"))]
 mod video {
-    use super::{FootageFiles, Image, Mutex, Path};
+    use super::{FootageFiles, Image, Looking, Path};
     use anyhow::bail;
+
+    pub(super) fn frame_count(_path: &Path) -> Option<u64> {
+        None
+    }
 
     pub(super) fn images(
         files: &FootageFiles,
         path: &Path,
-        _look: bool,
-        _progress: &Mutex<stage::Progress>,
+        _looking: Looking,
+        _warnings: &mut Vec<String>,
     ) -> anyhow::Result<Vec<Image>> {
         bail!(
             "{}: camera {}'s footage is a video, which this build cannot read\n  to do: build it with --features video (needs \

@@ -1,11 +1,12 @@
 //! Take manifest and footage → sync, frames.
 
 use super::extract::extract;
-use super::footage_files::FootageFiles;
+use super::footage_files::{FootageFiles, Looking, Read};
 use anyhow::{anyhow, bail};
 use artifact::{Clock, FrameRange, FrameWriter, Frames, SyncFrame, Take, TakeRef, TimeBase, Timecode};
-use capture_sync::{CameraReport, Mode, Params, Synchronized, TakeClock, synchronize};
+use capture_sync::{CameraReport, Error, Loss, Mode, Params, Synchronized, TakeClock, synchronize};
 use clap::ValueEnum;
+use rayon::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -40,10 +41,16 @@ pub(crate) struct Run {
     /// Cameras to use [default: all that have footage]
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
     cameras: Vec<String>,
+    /// Go on with a video that ends early: the frames that are not there are gaps
+    #[arg(long)]
+    accept_short: bool,
     /// Write only sync.jsonl
     #[arg(long)]
     no_extract: bool,
 }
+
+/// Offsets that are less sure than this are pointed out, mocap frames.
+const SURE_FRAMES: f64 = 0.1;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ModeArgument {
@@ -135,20 +142,33 @@ impl Run {
         files: &[FootageFiles],
         params: &Params,
     ) -> anyhow::Result<Synchronized> {
+        // A video's own times start at 0 whenever it does.
+        let unstamped = files.iter().find(|files| params.mode == Mode::Timestamps && !files.is_stamped());
+        if let Some(files) = unstamped {
+            return Err(self.refused(&Error::NoStamps(files.camera.id.clone())));
+        }
         let needs_images = matches!(params.mode, Mode::Flash | Mode::Correlation);
         let look = |files: &FootageFiles| needs_images || !params.use_stamps || !files.is_stamped();
         let total: Option<u64> = files.iter().map(FootageFiles::image_count).sum();
         let progress = Mutex::new(run.progress("reading images", total));
-        let recordings = run.timed("read", || {
-            files
-                .iter()
-                .map(|files| files.recording(look(files), &progress))
-                .collect::<anyhow::Result<Vec<_>>>()
-        })?;
+        let looking =
+            |files| Looking { at_pixels: look(files), accept_short: self.accept_short, progress: &progress };
+        let read: Vec<anyhow::Result<Read>> =
+            run.timed("read", || files.par_iter().map(|files| files.recording(looking(files))).collect());
         drop(progress);
+        let mut recordings = Vec::with_capacity(files.len());
+        for camera in read {
+            let Read { recording, warnings } = camera?;
+            warnings.into_iter().for_each(|warning| run.warn(warning));
+            recordings.push(recording);
+        }
         let clock = TakeClock { rate: take.rate, first_frame: take.first_frame, clock: take.clock };
         run.timed("synchronize", || synchronize(&clock, &recordings, params))
-            .map_err(|error| anyhow!("{}: {error}\n  to do: {}", self.take.display(), error.fix()))
+            .map_err(|error| self.refused(&error))
+    }
+
+    fn refused(&self, error: &Error) -> anyhow::Error {
+        anyhow!("{}: {error}\n  to do: {}", self.take.display(), error.fix())
     }
 
     fn write(
@@ -167,6 +187,8 @@ impl Run {
         }
         let mut outputs = vec![sync.finish()?];
         if !self.no_extract {
+            // Until it is written anew, no list of images says that they are all there.
+            artifact::withdraw(&self.out.join("frames.json"))?;
             let mut cameras = BTreeMap::new();
             for files in files {
                 cameras.insert(files.camera.id.clone(), extract(run, files, frames, &self.out)?);
@@ -192,6 +214,20 @@ fn report(
         run.say(&format!(
             "{id:<8} {images:>6}  {dropped:>7}  {doubled:>7}  {missing:>7}  {offset_frames:>13.3}  {drift_ppm:>9.1}"
         ));
+    }
+    for (id, camera) in &found.report {
+        for Loss { before_image, within, images } in &camera.losses {
+            run.warn(format!(
+                "camera {id}: {images} lost without a trace before image {before_image} (± {within}), as motion tells; they are gaps"
+            ));
+        }
+        if let Some(sigma) =
+            camera.sigma_frames.filter(|sigma| *sigma > SURE_FRAMES && found.zero_s.is_none())
+        {
+            run.warn(format!(
+                "camera {id}: its offset is known to ± {sigma:.2} frames only; a longer take, more motion or a flash tell more"
+            ));
+        }
     }
     run.result("frames", frames.len());
     run.result("first_frame", frames.first().map(|frame| frame.frame));
