@@ -26,6 +26,9 @@ pub(super) fn refine(
     corners: &[Point2f],
     share: f32,
 ) -> Result<Vec<Point2f>, DetectError> {
+    if corners.is_empty() {
+        return Ok(Vec::new());
+    }
     let reach = (share * nearest(corners)) as i32;
     let reach = reach.clamp(*WINDOW_PX.start(), *WINDOW_PX.end());
     let (steps, enough) = (100, 1e-4);
