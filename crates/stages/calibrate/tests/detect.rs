@@ -60,7 +60,7 @@ fn boards_are_found_however_they_lean() {
     for degrees in [0.0, 30.0, 50.0, 60.0, 66.0, 70.0_f64] {
         for turn in [0.1, 0.5] {
             let error = error(&image_from_board(degrees.to_radians(), turn, [328.0, 245.0]));
-            assert!(error.is_some_and(|error| error < 0.08), "{degrees} {turn} {error:?}");
+            assert!(error.is_some_and(|error| error < 0.15), "{degrees} {turn} {error:?}");
         }
     }
 }

@@ -70,15 +70,16 @@ pub(crate) fn of_file(path: &Path, error: &calibrate::Error) -> anyhow::Error {
 
 /// Says per camera how good the calibration is; refuses one in which a camera fits with nothing.
 pub(crate) fn tell(run: &mut Run, report: &Report) -> anyhow::Result<()> {
+    if let Some((id, camera)) = report.misfit() {
+        anyhow::bail!(
+            "camera {id}: what it sees fits with no other camera: median error {:.1} px, {} outliers among {} points\n  to do: look \
+             whether its images are mirrored, show another board or were taken at other times; or leave the camera out",
+            camera.median_px,
+            camera.outliers,
+            camera.corners
+        );
+    }
     for (id, camera) in &report.cameras {
-        if 2 * camera.outliers > camera.corners {
-            anyhow::bail!(
-                "camera {id}: {} of its {} points fit with nothing that the other cameras see\n  to do: look whether its images are \
-                 mirrored, show another board or were taken at other times; or leave the camera out",
-                camera.outliers,
-                camera.corners
-            );
-        }
         if camera.coverage < LITTLE_COVERED {
             let share = 100.0 * camera.coverage;
             run.warn(format!(
