@@ -4,7 +4,7 @@ set positional-arguments
 
 python := ".venv/bin/python"
 # What links OpenCV: video files, and finding boards in pictures
-opencv := "virtual-rig/video,capture-sync/video,calibrate/detect"
+opencv := "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video"
 
 # List the recipes
 default:

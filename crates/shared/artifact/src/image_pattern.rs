@@ -73,12 +73,24 @@ pub fn image_numbers(pattern: &Path) -> Result<Vec<i64>> {
 /// # Errors
 /// If the folder cannot be read.
 pub fn subfolders(folder: &Path) -> Result<Vec<String>> {
+    names(folder, Path::is_dir)
+}
+
+/// The names of a folder's files, in order; hidden ones are left out.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn files(folder: &Path) -> Result<Vec<String>> {
+    names(folder, Path::is_file)
+}
+
+fn names(folder: &Path, is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<String>> {
     let fail = |cause: std::io::Error| Error::io(folder, "read the folder", &cause);
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let entry = entry.map_err(fail)?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if entry.path().is_dir() && !name.starts_with('.') {
+        if is_wanted(&entry.path()) && !name.starts_with('.') {
             names.push(name);
         }
     }

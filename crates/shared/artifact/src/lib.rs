@@ -52,6 +52,7 @@ mod take;
 mod timecode;
 mod tracks_2d;
 mod trajectories;
+mod transfer;
 mod valleys;
 mod vertices;
 mod warp;
@@ -84,7 +85,7 @@ pub use frames::{CameraFrames, FrameRun, Frames};
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
 pub use ids::PerCamera;
-pub use image_pattern::{image_numbers, image_path, subfolders};
+pub use image_pattern::{files, image_numbers, image_path, subfolders};
 pub use labels::Labels;
 pub use large_scale::{LargeScale, SequenceForm};
 pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};
@@ -109,6 +110,7 @@ pub use trajectories::{
     Accuracy, HeadTrajectories, MarkerFrame, MarkerHeader, MeasuredFrame, MeasuredTrajectories, SampleStatus,
     Trajectories, Trajectories3d,
 };
+pub use transfer::{Transfer, UnknownTransfer};
 pub use valleys::{Space, ValleyPoint, Valleys, ValleysFrame, ValleysHeader};
 pub use vertices::{VertexMapping, VertexPath, VertexSet};
 pub use warp::{Interpolant, Warp, WarpFit};

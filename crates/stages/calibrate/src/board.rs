@@ -30,6 +30,9 @@ pub enum Board {
         marker_mm: f64,
         /// Which markers.
         dictionary: Dictionary,
+        /// Whether cameras may see it from behind, as a board of glass: mirrored.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        see_through: bool,
     },
 }
 
@@ -65,6 +68,19 @@ pub enum Dictionary {
 
 /// Most corners along a side: what any printer prints.
 const MOST: u32 = 1000;
+
+impl Dictionary {
+    /// How many markers it has.
+    #[must_use]
+    pub fn markers(self) -> u32 {
+        match self {
+            Self::FourByFour50 | Self::FiveByFive50 | Self::SixBySix50 => 50,
+            Self::FourByFour100 | Self::FiveByFive100 | Self::SixBySix100 => 100,
+            Self::FourByFour250 | Self::FiveByFive250 | Self::SixBySix250 => 250,
+            Self::FourByFour1000 | Self::FiveByFive1000 | Self::SixBySix1000 => 1000,
+        }
+    }
+}
 
 impl Board {
     /// Inner corners in a row, and rows.
@@ -144,6 +160,9 @@ impl Board {
         match *self {
             Self::Charuco { marker_mm, .. } if !(marker_mm > 0.0 && marker_mm < side) => {
                 Err(format!("markers of {marker_mm} mm in squares of {side} mm"))
+            }
+            Self::Charuco { columns, rows, dictionary, .. } if columns * rows / 2 > dictionary.markers() => {
+                Err(format!("{} markers; its dictionary has {}", columns * rows / 2, dictionary.markers()))
             }
             _ => Ok(()),
         }

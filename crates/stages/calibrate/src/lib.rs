@@ -1,7 +1,20 @@
-//! Finds lenses and poses of all cameras from pictures of a board or a waved point.
+//! Finds lenses and poses of all cameras from pictures of a board or a waved point, and judges what was found.
 //!
-//! [`calibrate_board`] goes from the corners of a board ([`Corners`]) to cameras in one space, [`wand`] from one waved point;
-//! [`bundle`] is the adjustment that ends every calibration; [`doctor`] judges a calibration by what it has not seen.
+//! - `find_corners` (feature `detect`) looks for a board in a picture; [`calibrate_board`] goes from its [`Corners`] to cameras in
+//!   one space.
+//! - [`wand`] does the same from one waved point, which [`wand::bright_point`] finds.
+//! - [`refine_with_corners`], [`refine_with_tracks`] make known cameras better.
+//! - [`bundle`] is the adjustment that ends all of these.
+//! - [`doctor`] judges a calibration by what it has not seen.
+//!
+//! ```
+//! use calibrate::{Board, Corners, CornersFrame, CornersHeader, Error, Params, calibrate_board};
+//! let board = Board::Chessboard { columns: 8, rows: 6, square_mm: 16.0 };
+//! let header = CornersHeader { board, cameras: [("m1".to_string(), [656, 490])].into(), take: None };
+//! let unseen = CornersFrame { frame: 0, seen: Default::default() };
+//! let refused = calibrate_board(&Corners { header, frames: vec![unseen] }, &Params::default());
+//! assert!(matches!(refused, Err(Error::FewViews { views: 0, .. })));
+//! ```
 
 pub mod bundle;
 pub mod doctor;

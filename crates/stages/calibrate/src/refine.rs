@@ -85,7 +85,7 @@ pub fn refine_with_corners(
     params.check(rig)?;
     let mut cameras = Vec::new();
     for (id, size) in &corners.header.cameras {
-        cameras.push(known(rig, id, *size)?);
+        cameras.push(of_size(known(rig, id)?, id, *size)?.clone());
     }
     let body = corners.header.board.corners();
     let alone = |(id, camera): (&String, &Camera)| -> Alone {
@@ -105,10 +105,9 @@ pub fn refine_with_corners(
         return Err(Error::NothingSeen);
     }
     assembly.scene.free = ids.iter().map(|id| params.free_of(id)).collect();
-    let (adjusted, loss) = in_rounds(assembly.scene.clone(), params.robust, params.scale_px)?;
     let numbers: Vec<i64> = assembly.frames.iter().map(|&frame| corners.frames[frame].frame).collect();
     let work = Work { ids: &ids, scene: &assembly.scene, frames: &numbers, points: None };
-    Ok(work.refined(rig, adjusted, loss, assembly.renumbered))
+    work.adjusted(rig, params, assembly.renumbered)
 }
 
 /// A rig refined with markers tracked in its images, each a free point in each frame. World space and its scale stay: as a
@@ -123,10 +122,8 @@ pub fn refine_with_tracks(
     params: &RefineParams,
 ) -> Result<Refined, Error> {
     params.check(rig)?;
-    let unknown = |id: &String| Error::UnknownCamera(id.clone());
-    let camera =
-        |id: &String| rig.cameras.get(id).map(|known| known.camera.clone()).ok_or_else(|| unknown(id));
-    let cameras = header.cameras.iter().map(camera).collect::<Result<Vec<Camera>, Error>>()?;
+    let cameras =
+        header.cameras.iter().map(|id| known(rig, id).cloned()).collect::<Result<Vec<Camera>, Error>>()?;
     let free = header.cameras.iter().map(|id| params.free_of(id)).collect();
     let mut scene = Scene::new(cameras, free);
     let (mut numbers, mut markers) = (Vec::new(), Vec::new());
@@ -141,10 +138,8 @@ pub fn refine_with_tracks(
     if scene.observations.is_empty() {
         return Err(Error::NoTracks);
     }
-    let (adjusted, loss) = in_rounds(scene.clone(), params.robust, params.scale_px)?;
     let ids: Vec<&String> = header.cameras.iter().collect();
-    let work = Work { ids: &ids, scene: &scene, frames: &numbers, points: Some(&markers) };
-    Ok(work.refined(rig, adjusted, loss, 0))
+    Work { ids: &ids, scene: &scene, frames: &numbers, points: Some(&markers) }.adjusted(rig, params, 0)
 }
 
 /// Adds a marker in a frame where two cameras or more see it and their rays meet before them.
@@ -163,17 +158,22 @@ fn add_marker(scene: &mut Scene, frame: &Tracks2dFrame, marker: usize) -> bool {
     true
 }
 
-fn known(rig: &CameraRig, id: &str, size: [u32; 2]) -> Result<Camera, Error> {
-    let camera = rig.cameras.get(id).ok_or_else(|| Error::UnknownCamera(id.to_string()))?;
-    let [width, height] = camera.camera.image_size;
-    if camera.camera.image_size != size {
-        let what = format!(
-            "its pictures have {} × {} px, its calibration says {width} × {height}",
-            size[0], size[1]
-        );
-        return Err(Error::Mismatch { camera: id.to_string(), what });
+fn known<'a>(rig: &'a CameraRig, id: &str) -> Result<&'a Camera, Error> {
+    rig.cameras.get(id).map(|known| &known.camera).ok_or_else(|| Error::UnknownCamera(id.to_string()))
+}
+
+fn of_size<'a>(camera: &'a Camera, id: &str, size: [u32; 2]) -> Result<&'a Camera, Error> {
+    let [width, height] = camera.image_size;
+    match camera.image_size == size {
+        true => Ok(camera),
+        false => {
+            let what = format!(
+                "its pictures have {} × {} px, its calibration says {width} × {height}",
+                size[0], size[1]
+            );
+            Err(Error::Mismatch { camera: id.to_string(), what })
+        }
     }
-    Ok(camera.camera.clone())
 }
 
 /// What indices of an adjusted scene mean.
@@ -187,15 +187,21 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    fn adjusted(&self, rig: &CameraRig, params: &RefineParams, renumbered: usize) -> Result<Refined, Error> {
+        let (adjusted, loss) = in_rounds(self.scene.clone(), params.robust, params.scale_px)?;
+        Ok(self.refined(rig, adjusted, loss, renumbered))
+    }
+
     fn refined(&self, rig: &CameraRig, adjusted: Adjusted, loss: Loss, renumbered: usize) -> Refined {
         let home = self.home(&adjusted);
         let mut rig = rig.clone();
         for (c, id) in self.ids.iter().enumerate() {
             let Some(rms_px) = adjusted.camera_rms_px[c] else { continue };
             let mut camera = adjusted.cameras[c].clone();
-            if self.scene.free[c].pose {
-                camera.cam_from_world = carried(&camera.cam_from_world, &home);
-            }
+            camera.cam_from_world = match self.scene.free[c].pose {
+                true => carried(&camera.cam_from_world, &home),
+                false => self.scene.cameras[c].cam_from_world,
+            };
             let deviation = adjusted.deviations.as_ref().map(|deviations| deviations[c]);
             let seen = self.scene.observations.iter().filter(|seen| seen.camera == c);
             let views = seen.map(|seen| self.frames[seen.element]).collect::<BTreeSet<_>>().len();

@@ -51,6 +51,19 @@ pub struct CameraReport {
     pub coverage: f64,
 }
 
+/// Median residual, px, beyond which a camera is not calibrated whatever the noise.
+const MISFIT_PX: f64 = 4.0;
+
+impl Report {
+    /// The camera that fits worst, if most of what it saw fits with nothing that the others see: its images are mirrored, say, or
+    /// were taken at other times.
+    #[must_use]
+    pub fn misfit(&self) -> Option<(&String, &CameraReport)> {
+        let worst = self.cameras.iter().max_by(|a, b| a.1.median_px.total_cmp(&b.1.median_px));
+        worst.filter(|(_, camera)| 2 * camera.outliers > camera.corners || camera.median_px > MISFIT_PX)
+    }
+}
+
 pub(crate) fn report(
     rig: &CameraRig,
     residuals: &[Residual],

@@ -6,7 +6,7 @@ use calibrate::{
     refine_with_corners,
 };
 use camera::{BrownConrady, Camera, Lens};
-use nalgebra::{Isometry3, Point3, Vector2, Vector3};
+use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -129,4 +129,19 @@ fn a_camera_that_was_knocked_is_put_back() {
     let [known, knocked, refined] = [&known, &knocked, &refined.rig].map(stands);
     let (before, after) = ((knocked - known).norm(), (refined - known).norm());
     assert!(after < 0.01 && before > 1.0, "{before} mm, {after} mm");
+}
+
+#[test]
+fn a_mirrored_camera_fits_with_none() {
+    let mut corners = filmed(0.05);
+    for frame in &mut corners.frames {
+        let seen = frame.seen.get_mut("m2").unwrap();
+        // As a detector would number the mirrored picture: columns from the other side.
+        *seen =
+            seen.iter().map(|(id, at)| (id / 8 * 8 + 7 - id % 8, Point2::new(655.0 - at.x, at.y))).collect();
+    }
+    let report = calibrate_board(&corners, &Params::default()).unwrap().report;
+    let (id, _) = report.misfit().unwrap();
+    assert_eq!(id, "m2");
+    assert!(calibrate_board(&filmed(0.05), &Params::default()).unwrap().report.misfit().is_none());
 }

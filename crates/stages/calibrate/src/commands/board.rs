@@ -1,10 +1,10 @@
 //! Calibration from a board.
 
-use super::shared::{Lens, Loss, read_corners, tell};
+use super::shared::{Lens, Loss, of_file, read_corners, tell};
 use artifact::Staged;
 use calibrate::{Calibration, Corners, Params, calibrate_board};
 use stage::Run;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Calibrate all cameras from a board held before them
 #[derive(clap::Args)]
@@ -58,7 +58,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     params.check()?;
     run.parameters(&params)?;
     let corners = arguments.corners(run)?;
-    let calibration = run.timed("calibrate", || calibrate_board(&corners, &params))?;
+    let calibration = run
+        .timed("calibrate", || calibrate_board(&corners, &params))
+        .map_err(|error| of_file(arguments.source(), &error))?;
     tell(run, &calibration.report)?;
     let outputs = arguments.outputs(&calibration)?;
     run.publish(outputs)
@@ -76,6 +78,17 @@ impl Arguments {
             world_frame: self.world_frame,
             min_corners: self.min_corners,
         }
+    }
+
+    /// Where the corners come from.
+    #[cfg(feature = "detect")]
+    fn source(&self) -> &Path {
+        self.corners.as_deref().or(self.pictures.folder()).unwrap_or(Path::new("the pictures"))
+    }
+
+    #[cfg(not(feature = "detect"))]
+    fn source(&self) -> &Path {
+        &self.corners
     }
 
     #[cfg(feature = "detect")]

@@ -1,17 +1,17 @@
 //! Corners of boards in pictures.
 
+use super::shots::{self, Choice, Looked, Shot, Shots};
 use anyhow::{Context, bail};
-use artifact::{FrameWriter, Take};
+use artifact::FrameWriter;
 use calibrate::{
     Board, BoardCorners, Corners, CornersFrame, CornersHeader, Dictionary, Picture, find_corners,
 };
 use nalgebra::Point2;
-use rayon::prelude::*;
 use stage::Run;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Find the corners of a board in pictures
+/// Find the corners of a board in pictures or videos
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -24,15 +24,19 @@ pub(crate) struct Arguments {
 /// Where pictures are, and what they show.
 #[derive(clap::Args)]
 pub(crate) struct Pictures {
-    /// A folder with one folder of pictures per camera; what has the same number was taken at the same time
+    /// A folder with a folder of pictures or a video per camera, named by the camera's id; what has the same number was taken at
+    /// the same time
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
     /// Names of the pictures in each camera's folder
     #[arg(long, value_name = "PATTERN", default_value = "{frame:06}.png")]
     name: String,
-    /// Pictures of one camera, e.g. m1=shots/left{frame:02}.jpg; may be repeated
-    #[arg(long, value_name = "ID=PATTERN")]
+    /// Pictures or a video of one camera, e.g. m1=shots/left{frame:02}.jpg or m1=left.mp4; may be repeated
+    #[arg(long, value_name = "ID=PATH")]
     images: Vec<String>,
+    /// Look only at pictures whose number this divides, e.g. at each tenth frame of a video
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
     /// The board: a file as virtual-rig writes it [default: board.json beside the folder]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["chessboard", "charuco"])]
     board: Option<PathBuf>,
@@ -54,6 +58,9 @@ pub(crate) struct Pictures {
     /// The take that the pictures belong to: its cameras' image sizes are checked
     #[arg(long, value_name = "FILE")]
     take: Option<PathBuf>,
+    /// A ChArUco board that cameras may see from behind, as one of glass
+    #[arg(long, conflicts_with_all = ["board", "chessboard"])]
+    see_through: bool,
 }
 
 fn dictionary(text: &str) -> Result<Dictionary, String> {
@@ -72,47 +79,36 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.publish(vec![writer.finish()?])
 }
 
-/// A picture to look at.
-struct Shot {
-    camera: String,
-    frame: i64,
-    path: PathBuf,
-}
-
-/// What was found in it.
-struct Found {
-    size: [u32; 2],
-    corners: BTreeMap<u32, Point2<f64>>,
-}
+/// Corners by number.
+type Found = BTreeMap<u32, Point2<f64>>;
 
 impl Pictures {
-    /// The corners in all pictures.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The corners in all pictures. Instants at which no camera sees the board are left out.
     pub(crate) fn corners(&self, run: &mut Run) -> anyhow::Result<Corners> {
         let board = self.board(run)?;
         let shots = self.shots()?;
         let take = self.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
-        let progress = std::sync::Mutex::new(run.progress("corners", Some(shots.len() as u64)));
-        let look = |shot: &Shot| {
-            let found = look(&shot.path, &board);
-            if let Ok(mut progress) = progress.lock() {
-                progress.step();
-            }
-            found
-        };
-        let found = shots.par_iter().map(look).collect::<anyhow::Result<Vec<Found>>>()?;
-        drop(progress);
-        let header = CornersHeader {
-            board,
-            cameras: sizes(&shots, &found, take.as_ref().map(|(take, _)| take))?,
-            take: take.map(|(_, reference)| reference),
-        };
-        tell(run, &header, &shots, &found);
+        let choice = Choice { every: self.every, take: take.as_ref().map(|(take, _)| take) };
+        let look =
+            |shot: &Shot| Ok(find_corners(Picture { size: shot.size, gray: &gray(shot.rgb) }, &board)?);
+        let looked = shots::look(run, &shots, &choice, look)?;
+        tell(run, &looked, matches!(board, Board::Charuco { .. }));
+        if looked.iter().all(|looked| looked.shown.iter().all(|(_, corners)| corners.is_empty())) {
+            bail!(
+                "no picture of any camera shows the board\n  to do: check that the board described is the one in the pictures (the corners of a chessboard are counted inside, the squares of a ChArUco board all)"
+            );
+        }
+        let cameras = looked.iter().map(|looked| (looked.camera.clone(), looked.size)).collect();
+        let header = CornersHeader { board, cameras, take: take.map(|(_, reference)| reference) };
         let mut frames: BTreeMap<i64, CornersFrame> = BTreeMap::new();
-        for (shot, found) in shots.iter().zip(found) {
-            let empty = || CornersFrame { frame: shot.frame, seen: BTreeMap::new() };
-            let frame = frames.entry(shot.frame).or_insert_with(empty);
-            if !found.corners.is_empty() {
-                frame.seen.insert(shot.camera.clone(), found.corners);
+        for Looked { camera, shown, .. } in looked {
+            for (number, corners) in shown.into_iter().filter(|(_, corners)| !corners.is_empty()) {
+                let empty = || CornersFrame { frame: number, seen: BTreeMap::new() };
+                frames.entry(number).or_insert_with(empty).seen.insert(camera.clone(), corners);
             }
         }
         Ok(Corners { header, frames: frames.into_values().collect() })
@@ -126,8 +122,14 @@ impl Pictures {
             }
             (None, Some([columns, rows])) => {
                 let marker_mm = self.marker_mm.unwrap_or_default();
-                let board =
-                    Board::Charuco { columns, rows, square_mm, marker_mm, dictionary: self.dictionary };
+                let board = Board::Charuco {
+                    columns,
+                    rows,
+                    square_mm,
+                    marker_mm,
+                    dictionary: self.dictionary,
+                    see_through: self.see_through,
+                };
                 checked(board, "--charuco")
             }
             (None, None) => {
@@ -140,95 +142,54 @@ impl Pictures {
         }
     }
 
-    fn shots(&self) -> anyhow::Result<Vec<Shot>> {
-        let mut patterns: BTreeMap<String, PathBuf> = BTreeMap::new();
-        if let Some(folder) = &self.folder {
-            for camera in artifact::subfolders(folder)? {
-                patterns.insert(camera.clone(), folder.join(&camera).join(&self.name));
-            }
-        }
+    fn shots(&self) -> anyhow::Result<Vec<Shots>> {
+        let mut all = match &self.folder {
+            Some(folder) => shots::in_folder(folder, &self.name)?,
+            None => BTreeMap::new(),
+        };
         for stated in &self.images {
-            let Some((id, pattern)) = stated.split_once('=') else {
-                bail!("--images {stated}: is not ID=PATTERN, e.g. m1=shots/m1/{{frame:06}}.png");
+            let Some((id, path)) = stated.split_once('=') else {
+                bail!("--images {stated}: is not ID=PATH, e.g. m1=shots/m1/{{frame:06}}.png");
             };
-            if patterns.insert(id.to_string(), pattern.into()).is_some() {
+            if all.insert(id.to_string(), shots::of_camera(id, Path::new(path))?).is_some() {
                 bail!("--images {stated}: camera {id} has pictures already\n  to do: name each camera once");
             }
         }
-        let mut shots = Vec::new();
-        for (camera, pattern) in patterns {
-            let folder = pattern.parent().unwrap_or(Path::new("")).to_path_buf();
-            let name = artifact::file_name(&pattern);
-            let numbers = artifact::image_numbers(&pattern)?;
-            if numbers.is_empty() {
-                bail!("{}: camera {camera} has no such pictures\n  to do: check --name", pattern.display());
-            }
-            let shot = |frame| Shot {
-                camera: camera.clone(),
-                frame,
-                path: folder.join(artifact::image_path(&name, frame)),
-            };
-            shots.extend(numbers.into_iter().map(shot));
-        }
-        match shots.is_empty() {
+        match all.is_empty() {
             true => bail!("there are no pictures\n  to do: give --folder or --images"),
-            false => Ok(shots),
+            false => Ok(all.into_values().collect()),
         }
     }
 }
 
-fn look(path: &Path, board: &Board) -> anyhow::Result<Found> {
-    let picture = artifact::picture::read_rgb(path)?;
-    // Rec. 601, as OpenCV has it.
+/// Grey values: Rec. 601, as OpenCV has it.
+fn gray(rgb: &[u8]) -> Vec<u8> {
     let luma = |rgb: &[u8]| {
         let [r, g, b] = [rgb[0], rgb[1], rgb[2]].map(u32::from);
         ((299 * r + 587 * g + 114 * b + 500) / 1000) as u8
     };
-    let gray: Vec<u8> = picture.to_8_bits().chunks_exact(3).map(luma).collect();
-    let size = [picture.width as u32, picture.height as u32];
-    let corners =
-        find_corners(Picture { size, gray: &gray }, board).with_context(|| path.display().to_string())?;
-    Ok(Found { size, corners })
+    rgb.chunks_exact(3).map(luma).collect()
 }
 
-/// The cameras' image sizes; refuses one whose pictures differ, or that the take says otherwise of.
-fn sizes(shots: &[Shot], found: &[Found], take: Option<&Take>) -> anyhow::Result<BTreeMap<String, [u32; 2]>> {
-    let mut sizes: BTreeMap<String, [u32; 2]> = BTreeMap::new();
-    for (shot, Found { size, .. }) in shots.iter().zip(found) {
-        let known = *sizes.entry(shot.camera.clone()).or_insert(*size);
-        let stated = take
-            .and_then(|take| take.cameras.iter().find(|camera| camera.id == shot.camera))
-            .map(|camera| camera.image_size);
-        for (by, [width, height]) in [("the pictures before it", Some(known)), ("the take", stated)]
-            .into_iter()
-            .filter_map(|(by, size)| Some((by, size?)))
-        {
-            if [width, height] != *size {
-                bail!(
-                    "{}: has {} × {} px, {by} {width} × {height}\n  to do: calibrate a camera with pictures of the size that it films with",
-                    shot.path.display(),
-                    size[0],
-                    size[1]
-                );
-            }
-        }
-    }
-    Ok(sizes)
-}
-
-fn tell(run: &mut Run, header: &CornersHeader, shots: &[Shot], found: &[Found]) {
-    let mut shown = serde_json::Map::new();
-    for id in header.cameras.keys() {
-        let own = shots.iter().zip(found).filter(|(shot, _)| shot.camera == *id);
-        let count = own.clone().filter(|(_, found)| !found.corners.is_empty()).count();
+fn tell(run: &mut Run, looked: &[Looked<Found>], sees_markers: bool) {
+    let (mut views, mut images) = (serde_json::Map::new(), serde_json::Map::new());
+    for Looked { camera, shown, sha256, .. } in looked {
+        let count = shown.iter().filter(|(_, corners)| !corners.is_empty()).count();
         if count == 0 {
-            run.warn(format!("camera {id}: none of its {} pictures shows the board", own.count()));
+            run.warn(format!(
+                "camera {camera}: none of its {} pictures shows the board{}",
+                shown.len(),
+                if sees_markers { "; if it looks through the board from behind, say --see-through; its video may be mirrored" } else { "" }
+            ));
         }
-        shown.insert(id.clone(), count.into());
+        views.insert(camera.clone(), count.into());
+        images.insert(camera.clone(), serde_json::json!({ "images": shown.len(), "sha256": sha256 }));
     }
-    run.result("pictures", shots.len());
-    run.result("pictures_with_board", found.iter().filter(|found| !found.corners.is_empty()).count());
-    run.result("views", shown);
+    let shown = looked.iter().flat_map(|looked| &looked.shown);
+    run.result("pictures", shown.clone().count());
+    run.result("pictures_with_board", shown.filter(|(_, corners)| !corners.is_empty()).count());
+    run.result("views", views);
+    run.result("images", images);
 }
 
 /// A board from the command line: from a file, or in words such as `8x6`.

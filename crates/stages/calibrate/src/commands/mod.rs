@@ -9,6 +9,7 @@ mod doctor_input;
 mod length;
 mod refine;
 mod shared;
+mod shots;
 mod wand;
 mod wand_input;
 

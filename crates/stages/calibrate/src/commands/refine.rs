@@ -1,6 +1,6 @@
 //! Refinement of cameras that are known.
 
-use super::shared::{Lens, Loss, read_corners, tell};
+use super::shared::{Lens, Loss, of_file, read_corners, tell};
 use artifact::{CameraRig, FrameRange, FrameReader, Staged, Tracks2d, Tracks2dFrame};
 use calibrate::bundle::{Focal, Free};
 use calibrate::{LensModel, RefineParams, Refined, refine_with_corners, refine_with_tracks};
@@ -112,7 +112,8 @@ impl Arguments {
         let mut corners = read_corners(run, path)?;
         let wanted = self.frames.unwrap_or(FrameRange::ALL);
         corners.frames.retain(|frame| wanted.contains(frame.frame));
-        Ok(run.timed("refine", || refine_with_corners(rig, &corners, params))?)
+        run.timed("refine", || refine_with_corners(rig, &corners, params))
+            .map_err(|error| of_file(path, &error))
     }
 
     fn with_tracks(
@@ -131,7 +132,8 @@ impl Arguments {
         let frames = reader.filter(is_wanted).step_by(self.every as usize);
         let frames = frames.collect::<artifact::Result<Vec<Tracks2dFrame>>>()?;
         run.input("tracks", path)?;
-        Ok(run.timed("refine", || refine_with_tracks(rig, &header, &frames, params))?)
+        run.timed("refine", || refine_with_tracks(rig, &header, &frames, params))
+            .map_err(|error| of_file(path, &error))
     }
 
     fn outputs(&self, refined: &Refined) -> anyhow::Result<Vec<Staged>> {

@@ -63,17 +63,31 @@ pub(crate) fn read_corners(run: &mut Run, path: &Path) -> anyhow::Result<Corners
     Ok(Corners { header, frames })
 }
 
-/// Says per camera how good the calibration is.
+/// An error of the method, said of the file that it concerns.
+pub(crate) fn of_file(path: &Path, error: &calibrate::Error) -> anyhow::Error {
+    anyhow::anyhow!("{}: {error}", path.display())
+}
+
+/// Says per camera how good the calibration is; refuses one in which a camera fits with nothing.
 pub(crate) fn tell(run: &mut Run, report: &Report) -> anyhow::Result<()> {
+    if let Some((id, camera)) = report.misfit() {
+        anyhow::bail!(
+            "camera {id}: what it sees fits with no other camera: median error {:.1} px, {} outliers among {} points\n  to do: look \
+             whether its images are mirrored, show another board or were taken at other times; or leave the camera out",
+            camera.median_px,
+            camera.outliers,
+            camera.corners
+        );
+    }
     for (id, camera) in &report.cameras {
         if camera.coverage < LITTLE_COVERED {
             let share = 100.0 * camera.coverage;
             run.warn(format!(
-                "camera {id}: corners cover {share:.0} % of its image; where none was, the lens is a guess"
+                "camera {id}: points cover {share:.0} % of its image; where none was, the lens is a guess"
             ));
         }
         run.say(&format!(
-            "  {id}: rms {:.3} px, median {:.3} px, {} views, {} corners ({} outliers), {:.0} % of the image",
+            "  {id}: rms {:.3} px, median {:.3} px, {} views, {} points ({} outliers), {:.0} % of the image",
             camera.rms_px,
             camera.median_px,
             camera.views,

@@ -21,14 +21,14 @@ use std::path::{Path, PathBuf};
 /// its depth too. How large that space is, the point does not tell: say it with --scale.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Folder with a folder of numbered PNG images per camera; or points found elsewhere: tracks-2d (.jsonl), or .csv with
-    /// columns frame, camera, x, y
+    /// Folder with a folder of numbered PNG images or a video per camera, named by the camera's id; or points found elsewhere:
+    /// tracks-2d (.jsonl), or .csv with columns frame, camera, x, y
     #[arg(value_name = "FOLDER|FILE")]
     input: PathBuf,
     /// Names of the images in a camera's folder
     #[arg(long, value_name = "PATTERN", default_value = "{frame:06}.png")]
     images: String,
-    /// Take manifest: gives the image sizes where there are points only, and is referred to by what is written
+    /// Take manifest: gives the images' sizes and transfer functions (else sRGB), and is referred to by what is written
     #[arg(long, value_name = "FILE")]
     take: Option<PathBuf>,
     /// Lenses that are about right (cameras), to start from; they are improved all the same

@@ -1,10 +1,10 @@
 //! Where a waved point was seen: from images, tracks or a table.
 
-use anyhow::bail;
-use artifact::{CameraRig, Error, FrameReader, Take, Tracks2d, picture};
+use super::shots::{self, Choice, Looked, Shot, Shots};
+use anyhow::{Context, bail};
+use artifact::{CameraRig, Error, FrameReader, Take, Tracks2d, Transfer};
 use calibrate::wand::{BlobParams, Luminance, Shown, Sightings, Track, WandCamera, bright_point};
 use nalgebra::Vector2;
-use rayon::prelude::*;
 use serde_json::json;
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
@@ -100,72 +100,44 @@ fn from_images(
     folder: &Path,
     given: &Given,
 ) -> anyhow::Result<(Seen, BTreeMap<String, [u32; 2]>)> {
+    let all: Vec<Shots> = shots::in_folder(folder, given.images)?.into_values().collect();
+    let mut light = BTreeMap::new();
+    for shots in &all {
+        light.insert(shots.camera.as_str(), transfer(&shots.camera, given)?.light_of_codes());
+    }
+    let find = |shot: &Shot| {
+        let [width, height] = shot.size.map(|side| side as usize);
+        let values = luminance(shot.rgb, &light[shot.camera]);
+        Ok(bright_point(&Luminance { width, height, values }, &BlobParams::default()))
+    };
+    // The sizes are compared with the take's where all of them are known.
+    let looked = shots::look(run, &all, &Choice { every: 1, take: None }, find)?;
     let (mut seen, mut sizes, mut record) = (Seen::new(), BTreeMap::new(), serde_json::Map::new());
-    let mut lists = Vec::new();
-    for id in artifact::subfolders(folder)? {
-        let pattern = folder.join(&id).join(given.images);
-        let numbers = artifact::image_numbers(&pattern)?;
-        if !numbers.is_empty() {
-            lists.push((id, pattern, numbers));
-        }
-    }
-    if lists.is_empty() {
-        let what = format!("holds no folders with images named {}", given.images);
-        return Err(Error::new(folder, what).fix("say with --images how they are named").into());
-    }
-    let mut progress = run.progress("cameras", Some(lists.len() as u64));
-    for (id, pattern, numbers) in lists {
-        let pattern = pattern.to_string_lossy().into_owned();
-        let images: Vec<Image> = numbers
-            .par_iter()
-            .map(|&number| look(Path::new(&artifact::image_path(&pattern, number))))
-            .collect::<anyhow::Result<_>>()?;
-        let size = images[0].size;
-        if let Some(other) = images.iter().position(|image| image.size != size) {
-            let path = artifact::image_path(&pattern, numbers[other]);
-            let what = format!("is not of the size {} × {} px of the images before it", size[0], size[1]);
-            return Err(Error::new(Path::new(&path), what).into());
-        }
-        let hashes: String = images.iter().map(|image| image.sha256.as_str()).collect();
-        let unclear = images.iter().filter(|image| image.shown == Shown::Unclear).count();
-        let sha256 = artifact::sha256_of(hashes.as_bytes());
-        record.insert(id.clone(), json!({ "images": images.len(), "sha256": sha256, "unclear": unclear }));
-        let points = numbers.iter().zip(&images).filter_map(|(number, image)| match image.shown {
-            Shown::Point(at) => Some((*number, at)),
+    for Looked { camera, size, sha256, shown, .. } in looked {
+        let unclear = shown.iter().filter(|(_, shown)| *shown == Shown::Unclear).count();
+        let row = json!({ "images": shown.len(), "sha256": sha256, "unclear": unclear });
+        record.insert(camera.clone(), row);
+        let points = shown.into_iter().filter_map(|(number, shown)| match shown {
+            Shown::Point(at) => Some((number, at)),
             _ => None,
         });
-        seen.insert(id.clone(), points.collect());
-        sizes.insert(id, size);
-        progress.step();
+        seen.insert(camera.clone(), points.collect());
+        sizes.insert(camera, size);
     }
     run.result("images", record);
     Ok((seen, sizes))
 }
 
-struct Image {
-    size: [u32; 2],
-    sha256: String,
-    shown: Shown,
+/// How a camera stores light: as the take says, or else as sRGB.
+fn transfer(camera: &str, given: &Given) -> anyhow::Result<Transfer> {
+    let stated = given.take.and_then(|take| take.cameras.iter().find(|known| known.id == camera));
+    let transfer = stated.map(|camera| camera.transfer.parse()).transpose();
+    Ok(transfer.with_context(|| format!("the take manifest, camera {camera}"))?.unwrap_or_default())
 }
 
-fn look(path: &Path) -> anyhow::Result<Image> {
-    let picture = picture::read_rgb(path)?;
-    let values = luminance(&picture.to_8_bits());
-    let size = [picture.width as u32, picture.height as u32];
-    let picture = Luminance { width: picture.width, height: picture.height, values };
-    let shown = bright_point(&picture, &BlobParams::default());
-    Ok(Image { size, sha256: artifact::sha256(path)?, shown })
-}
-
-/// Linear light, summed over the channels; the images are taken to be coded as sRGB, the wand's rim does not mind.
-fn luminance(codes: &[u8]) -> Vec<f64> {
-    let linear: Vec<f64> = (0..=u8::MAX)
-        .map(|code| {
-            let value = f64::from(code) / 255.0;
-            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-        })
-        .collect();
-    codes.chunks_exact(3).map(|rgb| rgb.iter().map(|&code| linear[usize::from(code)]).sum()).collect()
+/// Linear light, summed over the channels.
+fn luminance(codes: &[u8], light: &[f64; 256]) -> Vec<f64> {
+    codes.chunks_exact(3).map(|rgb| rgb.iter().map(|&code| light[usize::from(code)]).sum()).collect()
 }
 
 /// Reads tracks of one point.

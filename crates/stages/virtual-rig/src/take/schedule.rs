@@ -123,6 +123,6 @@ impl Shot {
     /// number that no frame shows.
     #[must_use]
     pub fn shown(&self) -> Shown {
-        Shown { index: self.entry.index as i64, time_s: Some(self.entry.time_s), doubled: false }
+        Shown { index: self.entry.index as i64, time_s: Some(self.entry.stamp_s), doubled: false }
     }
 }
