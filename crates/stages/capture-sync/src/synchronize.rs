@@ -3,7 +3,7 @@
 use crate::cadence::Cadence;
 use crate::time_base::{self, Synchronized, TakeClock};
 use crate::timeline::{Loss, Paced, Timeline};
-use crate::{Error, Mode, Params, Recording, correlation, flash, stamps};
+use crate::{Error, Mode, Params, Recording, correlation, extent, flash, stamps};
 use artifact::{SyncHeader, SyncSource};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -36,7 +36,8 @@ pub struct CameraReport {
 /// were. `recordings` need time stamps or readings of their images, as the mode asks.
 ///
 /// # Errors
-/// Names the camera: without images, stamps or readings; with a rate that is not the stated one; without a flash or anything
+/// Names the camera: without images, stamps or readings; with a rate that is not the stated one; with stamps of another unit
+/// or clock; with so few images of a time so long that they tell nothing; without a flash or anything
 /// that moves as it does elsewhere.
 pub fn synchronize(
     clock: &TakeClock,
@@ -51,6 +52,10 @@ pub fn synchronize(
     if let Some(empty) = recordings.iter().find(|recording| recording.images.is_empty()) {
         return Err(Error::NoImages(empty.id.clone()));
     }
+    if let Some(id) = params.late.keys().find(|id| !recordings.iter().any(|recording| recording.id == **id)) {
+        return Err(Error::NoSuchCamera(id.clone()));
+    }
+    extent::check_rates(clock, &recordings, params.use_stamps)?;
     let mut cameras: Vec<Paced> = recordings
         .iter()
         .map(|recording| Paced {
@@ -60,13 +65,17 @@ pub fn synchronize(
             losses: Vec::new(),
         })
         .collect();
-    let (lines, zero_s) = timelines(&mut cameras, clock, params)?;
+    cameras.iter().try_for_each(extent::check_cadence)?;
+    let (mut lines, zero_s) = timelines(&mut cameras, clock, params)?;
+    for (camera, line) in cameras.iter().zip(&mut lines) {
+        line.start += params.late.get(camera.id()).copied().unwrap_or(0.0);
+    }
     let sync = cameras
         .iter()
         .zip(&lines)
         .map(|(camera, line)| (camera.id().to_string(), time_base::sync_camera(camera, line, clock)));
     let header = SyncHeader { rate: clock.rate, clock: clock.clock, cameras: sync.collect(), take: None };
-    let frames = time_base::frames(&cameras, &lines, &header, clock);
+    let frames = time_base::frames(&cameras, &lines, &header, clock)?;
     let report = cameras.iter().zip(&lines).map(|(camera, line)| {
         let missing = frames.iter().filter(|frame| frame.shows.get(camera.id()) == Some(&None)).count();
         let sync = &header.cameras[camera.id()];
