@@ -4,9 +4,8 @@ use crate::cadence::Cadence;
 use crate::time_base::{self, Synchronized, TakeClock};
 use crate::timeline::{Loss, Paced, Timeline};
 use crate::{Error, Mode, Params, Recording, correlation, extent, flash, stamps};
-use artifact::{SyncHeader, SyncSource};
+use artifact::{SyncFrame, SyncHeader, SyncSource};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// What was found of a camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,23 +75,25 @@ pub fn synchronize(
         .map(|(camera, line)| (camera.id().to_string(), time_base::sync_camera(camera, line, clock)));
     let header = SyncHeader { rate: clock.rate, clock: clock.clock, cameras: sync.collect(), take: None };
     let frames = time_base::frames(&cameras, &lines, &header, clock)?;
-    let report = cameras.iter().zip(&lines).map(|(camera, line)| {
-        let missing = frames.iter().filter(|frame| frame.shows.get(camera.id()) == Some(&None)).count();
-        let sync = &header.cameras[camera.id()];
-        let report = CameraReport {
-            images: camera.recording.images.len(),
-            dropped: camera.cadence.dropped(),
-            doubled: camera.cadence.doubled(),
-            missing,
-            offset_frames: sync.offset_frames,
-            drift_ppm: sync.drift_ppm,
-            sigma_frames: line.sigma_frames,
-            losses: camera.losses.clone(),
-        };
-        (camera.id().to_string(), report)
-    });
-    let report = report.collect::<BTreeMap<_, _>>();
+    let report = |(camera, line): (&Paced, &Timeline)| {
+        (camera.id().to_string(), camera_report(camera, line, &header, &frames))
+    };
+    let report = cameras.iter().zip(&lines).map(report).collect();
     Ok(Synchronized { header, frames, report, zero_s })
+}
+
+fn camera_report(camera: &Paced, line: &Timeline, header: &SyncHeader, frames: &[SyncFrame]) -> CameraReport {
+    let sync = &header.cameras[camera.id()];
+    CameraReport {
+        images: camera.recording.images.len(),
+        dropped: camera.cadence.dropped(),
+        doubled: camera.cadence.doubled(),
+        missing: frames.iter().filter(|frame| frame.shows.get(camera.id()) == Some(&None)).count(),
+        offset_frames: sync.offset_frames,
+        drift_ppm: sync.drift_ppm,
+        sigma_frames: line.sigma_frames,
+        losses: camera.losses.clone(),
+    }
 }
 
 fn of_take(recording: &Recording) -> Recording {
