@@ -7,6 +7,7 @@ use crate::source::read_bytes;
 use crate::{Error, Result, Sink, Staged};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// A grey picture; row 0 is the top.
@@ -94,6 +95,73 @@ pub fn read_rgb(path: &Path) -> Result<Rgb> {
         _ => Codes::Bits16(picture.into_rgb16().into_raw()),
     };
     Ok(Rgb { width, height, codes })
+}
+
+/// What a picture's file says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Head {
+    /// Width, height, px.
+    pub size: [u32; 2],
+    /// Bits per channel.
+    pub bits: u8,
+}
+
+/// The size and depth of a PNG or JPEG by its first bytes, if its last ones are there; pixels are decoded only where these
+/// do not tell.
+///
+/// # Errors
+/// If the file cannot be read, is no PNG or JPEG, or is cut.
+pub fn read_head(path: &Path) -> Result<Head> {
+    if let Some(head) = png_head(path).map_err(|cause| Error::io(path, "read", &cause))? {
+        return Ok(head);
+    }
+    let bytes = read_bytes(path)?;
+    let is_jpeg = bytes.starts_with(&[0xff, 0xd8]);
+    let tail = &bytes[bytes.len().saturating_sub(1024)..];
+    if is_jpeg && !tail.windows(2).any(|pair| pair == [0xff, 0xd9]) {
+        return Err(Error::new(path, "is cut: the end of the JPEG picture is missing").fix("copy it again"));
+    }
+    if let Some(size) = jpeg_size(&bytes).filter(|_| is_jpeg) {
+        return Ok(Head { size, bits: 8 });
+    }
+    let Rgb { width, height, codes } = read_rgb(path)?;
+    let bits = if matches!(codes, Codes::Bits8(_)) { 8 } else { 16 };
+    Ok(Head { size: [width as u32, height as u32], bits })
+}
+
+/// Of a PNG that ends as it should, what its header says; none where this is not clear.
+#[allow(clippy::disallowed_methods, reason = "this is a room where files are read")]
+fn png_head(path: &Path) -> std::io::Result<Option<Head>> {
+    const BEGIN: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
+    const END: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
+    let mut file = std::fs::File::open(path)?;
+    if file.metadata()?.len() < 64 {
+        return Ok(None);
+    }
+    let (mut first, mut last) = ([0; 25], [0; 12]);
+    file.read_exact(&mut first)?;
+    file.seek(SeekFrom::End(-12))?;
+    file.read_exact(&mut last)?;
+    let side = |at: usize| first[at..at + 4].iter().fold(0, |side, byte| side << 8 | u32::from(*byte));
+    let head = Head { size: [side(16), side(20)], bits: first[24].max(8) };
+    Ok((first.starts_with(BEGIN) && last == END).then_some(head))
+}
+
+/// Width and height by the first frame header of a JPEG.
+fn jpeg_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let word = |at: usize| Some(u32::from(*bytes.get(at)?) << 8 | u32::from(*bytes.get(at + 1)?));
+    let mut at = 2;
+    while bytes.get(at) == Some(&0xff) {
+        match bytes.get(at + 1)? {
+            0xff => at += 1,
+            // Tables of codes and of arithmetic coding have numbers among those of the frame headers.
+            0xc0..=0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf => {
+                return Some([word(at + 7)?, word(at + 5)?]);
+            }
+            _ => at += 2 + word(at + 2)? as usize,
+        }
+    }
+    None
 }
 
 fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<DynamicImage> {

@@ -119,3 +119,26 @@ proptest! {
         let _ = picture::read_rgb(&place.file("b.png", &file));
     }
 }
+
+#[test]
+fn a_head_says_size_and_depth_and_whether_the_end_is_there() {
+    let place = Place::new();
+    let picture = image::RgbImage::from_pixel(70, 30, image::Rgb([9, 90, 200])).into();
+    let deep =
+        image::DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(70, 30, image::Rgb([9, 90, 200])));
+    for (name, picture, format, bits) in [
+        ("a.png", &picture, ImageFormat::Png, 8),
+        ("a.jpg", &picture, ImageFormat::Jpeg, 8),
+        ("b.png", &deep, ImageFormat::Png, 16),
+    ] {
+        let bytes = encoded(picture, format);
+        let head = picture::read_head(&place.file(name, &bytes)).unwrap();
+        assert_eq!(head, picture::Head { size: [70, 30], bits }, "{name}");
+        for length in [0, 30, bytes.len() / 2, bytes.len() - 6] {
+            assert!(
+                picture::read_head(&place.file(name, &bytes[..length])).is_err(),
+                "{length} bytes of {name}"
+            );
+        }
+    }
+}

@@ -17,6 +17,8 @@ pub struct Cadence {
 const PHASE_GAIN: f64 = 0.1;
 /// How far back a late stamp may have opened a gap that is none.
 const MEND_REACH: usize = 8;
+/// A longer gap is refused later; so many steps can be counted.
+const MOST_STEPS: i64 = 1 << 40;
 /// Stamps closer than this share of the period are one stamp.
 const SAME_STAMP: f64 = 1e-3;
 /// An image that differs from the one before it by less than this share of the usual difference repeats it, though a lossy
@@ -55,7 +57,7 @@ impl Cadence {
                 expected -= period;
             }
             let last = exposures[i - 1];
-            let steps = (((times[i] - expected) / period).round() as i64).max(1);
+            let steps = (((times[i] - expected) / period).round() as i64).clamp(1, MOST_STEPS);
             exposures.push(last + steps);
             let due = expected + steps as f64 * period;
             expected = due + PHASE_GAIN * (times[i] - due);
@@ -75,7 +77,8 @@ impl Cadence {
         let (mut exposures, mut last) = (Vec::with_capacity(repeats.len()), 0);
         for (i, repeat) in repeats.iter().enumerate() {
             if i > 0 {
-                let step = recording.images[i].index - recording.images[i - 1].index;
+                let step =
+                    recording.images[i].index.saturating_sub(recording.images[i - 1].index).min(MOST_STEPS);
                 last += step - i64::from(*repeat);
             }
             exposures.push(last);

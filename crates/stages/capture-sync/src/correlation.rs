@@ -131,7 +131,12 @@ fn compare(
             let (camera, reference) = (cameras[c].id().to_string(), cameras[reference].id().to_string());
             match found.count < LEAST_PAIRS {
                 true => Error::TooShort { camera, count: found.count, least: LEAST_PAIRS },
-                false => Error::NoCorrelation { camera, reference, correlation: found.correlation },
+                false => Error::NoCorrelation {
+                    camera,
+                    reference,
+                    count: found.count,
+                    correlation: found.correlation,
+                },
             }
         })?;
         let jumps = pair.jumps(&line);
@@ -279,7 +284,10 @@ impl Pair<'_> {
     /// The lag where the camera moves most, by whole frames within the radius, then finely.
     fn search(&self, center: f64, radius: f64) -> Result<WindowLag, Likeness> {
         let window = self.liveliest();
-        let reach = (radius / self.reference_step).ceil() as i64;
+        // Further apart than both last, they have nothing in common.
+        let lasts = |course: &Course, step: f64| course.len() as f64 * step;
+        let both = lasts(self.camera, self.step) + lasts(self.reference, self.reference_step) + center.abs();
+        let reach = (radius.min(both) / self.reference_step).ceil() as i64;
         let lag = |shift: i64| center + shift as f64 * self.reference_step;
         let found: Vec<Likeness> = (-reach..=reach)
             .into_par_iter()

@@ -26,20 +26,79 @@ pub enum Error {
         /// By the take.
         stated: artifact::Rate,
     },
+    /// The stamps' steps are nowhere near the rate: another unit, or another rate.
+    #[error("camera {camera}: its time stamps are {step_s:.6} s apart, but the take says {stated}")]
+    Period {
+        /// The camera.
+        camera: String,
+        /// The usual step, s.
+        step_s: f64,
+        /// By the take.
+        stated: artifact::Rate,
+    },
+    /// The stamps are not of one clock.
+    #[error(
+        "cameras {early} and {late} have no common time: by its stamps {early} ends at {end_s:.3} s, and {late} begins at {begin_s:.3} s"
+    )]
+    NoCommonTime {
+        /// The camera that ends first.
+        early: String,
+        /// Where it ends, s.
+        end_s: f64,
+        /// The camera that begins last.
+        late: String,
+        /// Where it begins, s.
+        begin_s: f64,
+    },
+    /// Nearly all images of a camera are missing.
+    #[error(
+        "camera {camera}: before its image {before_image}, {lost} images are missing by its time stamps or numbers"
+    )]
+    Gap {
+        /// The camera.
+        camera: String,
+        /// Images missing there.
+        lost: i64,
+        /// The image after the gap.
+        before_image: i64,
+    },
+    /// Many more frames than images.
+    #[error("the take would have {frames} frames by camera {camera}, which has {images} images")]
+    TooLong {
+        /// The camera that lasts longest.
+        camera: String,
+        /// Its images.
+        images: usize,
+        /// Mocap frames.
+        frames: i64,
+    },
+    /// A rate that no clock has.
+    #[error("the take's rate is {0}, which no camera keeps up with")]
+    TakeRate(artifact::Rate),
+    /// A number that frames cannot be counted on from.
+    #[error("the take's first frame is {0}")]
+    FirstFrame(i64),
+    /// A shift of a camera that there is not.
+    #[error("there is no camera {0} that could be late")]
+    NoSuchCamera(String),
     /// Nothing to correlate.
     #[error(
-        "camera {camera}: nothing in its images moves together with camera {reference}'s (canonical correlation {correlation:.2})"
+        "camera {camera}: in {count} images nothing moves together with camera {reference}'s (canonical correlation {correlation:.2})"
     )]
     NoCorrelation {
         /// The camera.
         camera: String,
         /// The camera that it was compared with.
         reference: String,
+        /// Images of which both cameras' changes are known.
+        count: usize,
         /// The best that was found.
         correlation: f64,
     },
     /// Too few images to correlate.
-    #[error("camera {camera}: {count} pairs of images are too few to correlate; {least} are needed")]
+    #[error(
+        "camera {camera}: {count} images that others have too are too few to correlate; {least} at least are needed, and ten seconds that move are safe"
+    )]
     TooShort {
         /// The camera.
         camera: String,
@@ -102,8 +161,19 @@ impl Error {
             }
             Self::NotRead(_) => "read its images, or choose another mode",
             Self::Rate { .. } => "state the camera's true rate in the take manifest",
+            Self::Period { .. } => {
+                "check that the stamps are in seconds, and state the camera's true rate in the take manifest"
+            }
+            Self::NoCommonTime { .. } => {
+                "check that all stamps are in seconds and of one clock; of clocks of their own, say --mode correlation"
+            }
+            Self::Gap { .. } | Self::TooLong { .. } => {
+                "check the time stamps, the images' numbers and the rates in the take manifest"
+            }
+            Self::TakeRate(_) | Self::FirstFrame(_) => "correct it in the take manifest",
+            Self::NoSuchCamera(_) => "name a camera of the take that is used",
             Self::NoCorrelation { .. } => {
-                "say a larger --search-s, or --mode flash, stated or timestamps; a still or unseen face cannot be correlated"
+                "record ten seconds in which the face moves, or say --mode flash, stated or timestamps; where the cameras' starts lie further apart than --search-s, say a larger one"
             }
             Self::TooShort { .. } => "record longer, or say --mode flash, stated or timestamps",
             Self::Break { is_stamped: true, .. } => {

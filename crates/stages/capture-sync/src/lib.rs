@@ -40,6 +40,7 @@ mod chart;
 mod correlation;
 mod course;
 mod error;
+mod extent;
 mod flash;
 mod frame_times;
 mod line;

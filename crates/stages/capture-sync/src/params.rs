@@ -2,6 +2,7 @@
 
 use crate::Error;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Where the time of the images is taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -29,11 +30,20 @@ pub struct Params {
     /// How far off a free clock is expected to run, standard deviation, ppm: keeps the drift of short takes, which tell
     /// little of it, from being noise.
     pub drift_prior_ppm: f64,
+    /// Per camera id how many mocap frames later it takes its images than what is found otherwise says; for what is known
+    /// from elsewhere, such as from tracks.
+    pub late: BTreeMap<String, f64>,
 }
 
 impl Default for Params {
     fn default() -> Self {
-        Self { mode: Mode::Stated, use_stamps: true, search_s: 2.0, drift_prior_ppm: 100.0 }
+        Self {
+            mode: Mode::Stated,
+            use_stamps: true,
+            search_s: 2.0,
+            drift_prior_ppm: 100.0,
+            late: BTreeMap::new(),
+        }
     }
 }
 
@@ -49,6 +59,9 @@ impl Params {
                 false => Err(Error::Parameter { name, value, allowed }),
             };
         check("search-s", self.search_s, 0.0..=600.0, "0 to 600 s are allowed")?;
-        check("drift-prior-ppm", self.drift_prior_ppm, 1e-3..=1e5, "0.001 to 100000 ppm are allowed")
+        check("drift-prior-ppm", self.drift_prior_ppm, 1e-3..=1e5, "0.001 to 100000 ppm are allowed")?;
+        self.late.values().try_for_each(|&frames| {
+            check("late", frames, -1e4..=1e4, "-10000 to 10000 mocap frames are allowed")
+        })
     }
 }

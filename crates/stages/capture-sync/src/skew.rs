@@ -1,12 +1,14 @@
 //! What a time base's lags mean: in milliseconds, and in millimetres where markers move.
 
-use artifact::{MarkerFrame, Rate, SyncFrame, SyncHeader};
+use artifact::{MarkerFrame, Rate, SyncFrame, SyncHeader, SyncSource};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// How far a camera's images are from the mocap frames that they show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Skew {
+    /// How the lag was found: what is stated was not measured.
+    pub source: SyncSource,
     /// Mean lag over the frames that it shows, ms: positive where its images come late.
     pub mean_ms: f64,
     /// Largest lag, either way, ms.
@@ -40,6 +42,7 @@ pub fn skews(header: &SyncHeader, frames: &[SyncFrame], speed_mm_s: Option<f64>)
             .fold(0.0_f64, |worst, lag| if lag.abs() > worst.abs() { lag } else { worst });
         let in_mm = |ms: f64| speed_mm_s.map(|speed| 1e-3 * ms.abs() * speed);
         Skew {
+            source: camera.source,
             mean_ms,
             worst_ms,
             mean_mm: in_mm(mean_ms),

@@ -2,13 +2,46 @@
 
 use crate::line::{Line, median};
 use crate::timeline::{Paced, Timeline, stated_step};
-use crate::{Error, Params};
+use crate::{Error, Params, Recording};
 use artifact::{Rate, SyncSource};
 
 /// A camera whose stamps come at another rate than the take says, by more than this share, is not the one that it describes.
 const RATE_TOLERANCE: f64 = 0.05;
 /// Stamps are not better than this, s: they are written with microseconds.
 const FINEST_S: f64 = 1e-6;
+
+/// The step between a camera's stamps, s: the usual one of those that rise, which losses make longer, or the mean of all
+/// where that is shorter than half of it, as of stamps that stand still. None of fewer than three stamps.
+pub(crate) fn typical_step_s(recording: &Recording) -> Option<f64> {
+    let times: Vec<f64> = recording.images.iter().filter_map(|image| image.time_s).collect();
+    let (first, last) = (times.first()?, times.last()?);
+    let rising: Vec<f64> =
+        times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    let mean = (last - first) / (times.len() - 1) as f64;
+    let usual = median(&rising);
+    // Stamps that come in bursts have a short usual step, and a mean that is right.
+    let step = if mean < 0.5 * usual { mean } else { usual.max(mean.min(1.0 / recording.rate.hz())) };
+    (times.len() > 2).then_some(step)
+}
+
+/// Refuses cameras of which one ends before another begins: their stamps are not of one clock.
+fn check_common_time(cameras: &[Paced]) -> Result<(), Error> {
+    let span = |camera: &Paced| {
+        let images = &camera.recording.images;
+        Some((images.first()?.time_s?, images.last()?.time_s? + 1.0 / camera.recording.rate.hz()))
+    };
+    let spans: Vec<(&Paced, (f64, f64))> =
+        cameras.iter().filter_map(|camera| Some((camera, span(camera)?))).collect();
+    let late = spans.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    let early = spans.iter().min_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    match (early, late) {
+        (Some((early, (_, end_s))), Some((late, (begin_s, _)))) if end_s < begin_s => {
+            let [early, late] = [early, late].map(|camera| camera.id().to_string());
+            Err(Error::NoCommonTime { early, end_s: *end_s, late, begin_s: *begin_s })
+        }
+        _ => Ok(()),
+    }
+}
 
 /// When the cameras' exposures were: a robust line through each camera's stamps over its exposures.
 ///
@@ -25,6 +58,7 @@ pub(crate) fn timelines(
     if let Some(camera) = cameras.iter().find(|camera| !camera.recording.is_stamped()) {
         return Err(Error::NoStamps(camera.id().to_string()));
     }
+    check_common_time(cameras)?;
     let zero = zero_s(&cameras.iter().map(stamps).collect::<Vec<_>>(), take_rate);
     let timeline = |camera: &Paced| {
         let nominal = stated_step(camera.recording, take_rate) / take_rate.hz();

@@ -3,10 +3,9 @@
 use crate::cadence::Cadence;
 use crate::time_base::{self, Synchronized, TakeClock};
 use crate::timeline::{Loss, Paced, Timeline};
-use crate::{Error, Mode, Params, Recording, correlation, flash, stamps};
-use artifact::{SyncHeader, SyncSource};
+use crate::{Error, Mode, Params, Recording, correlation, extent, flash, stamps};
+use artifact::{SyncFrame, SyncHeader, SyncSource};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// What was found of a camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,7 +35,8 @@ pub struct CameraReport {
 /// were. `recordings` need time stamps or readings of their images, as the mode asks.
 ///
 /// # Errors
-/// Names the camera: without images, stamps or readings; with a rate that is not the stated one; without a flash or anything
+/// Names the camera: without images, stamps or readings; with a rate that is not the stated one; with stamps of another unit
+/// or clock; with so few images of a time so long that they tell nothing; without a flash or anything
 /// that moves as it does elsewhere.
 pub fn synchronize(
     clock: &TakeClock,
@@ -51,6 +51,10 @@ pub fn synchronize(
     if let Some(empty) = recordings.iter().find(|recording| recording.images.is_empty()) {
         return Err(Error::NoImages(empty.id.clone()));
     }
+    if let Some(id) = params.late.keys().find(|id| !recordings.iter().any(|recording| recording.id == **id)) {
+        return Err(Error::NoSuchCamera(id.clone()));
+    }
+    extent::check_rates(clock, &recordings, params.use_stamps)?;
     let mut cameras: Vec<Paced> = recordings
         .iter()
         .map(|recording| Paced {
@@ -60,30 +64,36 @@ pub fn synchronize(
             losses: Vec::new(),
         })
         .collect();
-    let (lines, zero_s) = timelines(&mut cameras, clock, params)?;
+    cameras.iter().try_for_each(extent::check_cadence)?;
+    let (mut lines, zero_s) = timelines(&mut cameras, clock, params)?;
+    for (camera, line) in cameras.iter().zip(&mut lines) {
+        line.start += params.late.get(camera.id()).copied().unwrap_or(0.0);
+    }
     let sync = cameras
         .iter()
         .zip(&lines)
         .map(|(camera, line)| (camera.id().to_string(), time_base::sync_camera(camera, line, clock)));
     let header = SyncHeader { rate: clock.rate, clock: clock.clock, cameras: sync.collect(), take: None };
-    let frames = time_base::frames(&cameras, &lines, &header, clock);
-    let report = cameras.iter().zip(&lines).map(|(camera, line)| {
-        let missing = frames.iter().filter(|frame| frame.shows.get(camera.id()) == Some(&None)).count();
-        let sync = &header.cameras[camera.id()];
-        let report = CameraReport {
-            images: camera.recording.images.len(),
-            dropped: camera.cadence.dropped(),
-            doubled: camera.cadence.doubled(),
-            missing,
-            offset_frames: sync.offset_frames,
-            drift_ppm: sync.drift_ppm,
-            sigma_frames: line.sigma_frames,
-            losses: camera.losses.clone(),
-        };
-        (camera.id().to_string(), report)
-    });
-    let report = report.collect::<BTreeMap<_, _>>();
+    let frames = time_base::frames(&cameras, &lines, &header, clock)?;
+    let report = |(camera, line): (&Paced, &Timeline)| {
+        (camera.id().to_string(), camera_report(camera, line, &header, &frames))
+    };
+    let report = cameras.iter().zip(&lines).map(report).collect();
     Ok(Synchronized { header, frames, report, zero_s })
+}
+
+fn camera_report(camera: &Paced, line: &Timeline, header: &SyncHeader, frames: &[SyncFrame]) -> CameraReport {
+    let sync = &header.cameras[camera.id()];
+    CameraReport {
+        images: camera.recording.images.len(),
+        dropped: camera.cadence.dropped(),
+        doubled: camera.cadence.doubled(),
+        missing: frames.iter().filter(|frame| frame.shows.get(camera.id()) == Some(&None)).count(),
+        offset_frames: sync.offset_frames,
+        drift_ppm: sync.drift_ppm,
+        sigma_frames: line.sigma_frames,
+        losses: camera.losses.clone(),
+    }
 }
 
 fn of_take(recording: &Recording) -> Recording {

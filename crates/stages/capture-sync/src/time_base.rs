@@ -1,6 +1,7 @@
 //! The time base: which image of which camera shows each mocap frame.
 
 use crate::timeline::{Paced, Timeline, stated_step};
+use crate::{Error, extent};
 use artifact::{Clock, Rate, Shown, SyncCamera, SyncFrame, SyncHeader};
 use std::collections::BTreeMap;
 
@@ -79,9 +80,10 @@ pub(crate) fn frames(
     lines: &[Timeline],
     header: &SyncHeader,
     clock: &TakeClock,
-) -> Vec<SyncFrame> {
+) -> Result<Vec<SyncFrame>, Error> {
     let images: Vec<BTreeMap<i64, Shown>> = cameras.iter().map(shown).collect();
     let last = last_frame(cameras, lines, header);
+    extent::check_frames(cameras, lines, clock, last)?;
     let frame = |since: i64| {
         let number = clock.first_frame + since;
         let shows = cameras.iter().enumerate().filter_map(|(c, camera)| {
@@ -95,7 +97,7 @@ pub(crate) fn frames(
         });
         SyncFrame { frame: number, shows: shows.collect() }
     };
-    (0..=last).map(frame).collect()
+    Ok((0..=last).map(frame).collect())
 }
 
 fn last_frame(cameras: &[Paced], lines: &[Timeline], header: &SyncHeader) -> i64 {

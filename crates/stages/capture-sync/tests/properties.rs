@@ -329,3 +329,73 @@ fn motion_tells_copies_from_stale_images() {
     assert_eq!(found.frames[701].shows["m3"].unwrap().index, 701);
     assert_eq!(found.frames[501].shows["m2"].unwrap().index, 502);
 }
+
+fn stamped(id: &'static str, change: impl Fn(usize, f64) -> f64) -> Recording {
+    let mut recording = Camera::new(id, 1, 0.0, 0.0).film(60, false, 1);
+    for (i, image) in recording.images.iter_mut().enumerate() {
+        image.time_s = image.time_s.map(|time| change(i, time));
+    }
+    recording
+}
+
+/// Stamps of another unit, of another clock or that jump: neither a frame for each millisecond, nor memory for it.
+#[test]
+fn stamps_that_cannot_be_are_refused_before_frames_are_made() {
+    let refused = |change: &dyn Fn(usize, f64) -> f64| {
+        let recordings = [stamped("a", |_, time| time), stamped("b", change)];
+        synchronize(&clock(), &recordings, &params(Mode::Timestamps)).unwrap_err()
+    };
+    for change in [&(|_, time| 1e3 * time) as &dyn Fn(usize, f64) -> f64, &|_, _| 5.0, &|_, time| 0.1 * time]
+    {
+        let error = refused(change);
+        assert!(matches!(&error, Error::Period { camera, .. } if camera == "b"), "{error}");
+    }
+    let error = refused(&|_, time| time + 3600.0);
+    assert!(
+        matches!(&error, Error::NoCommonTime { early, late, .. } if early == "a" && late == "b"),
+        "{error}"
+    );
+    let error = refused(&|i, time| if i < 30 { time } else { time + 1e6 });
+    assert!(matches!(&error, Error::Gap { before_image: 30, .. }), "{error}");
+    let error = refused(&|i, time| if i < 59 { time } else { 1e300 });
+    assert!(matches!(&error, Error::Gap { before_image: 59, .. }), "{error}");
+}
+
+#[test]
+fn takes_that_cannot_be_are_refused() {
+    let refused = |clock: TakeClock, seconds: u32| {
+        let mut recording = Camera::new("a", 1, 0.0, 0.0).film(60, false, 1);
+        recording.rate = Rate { frames: 1, seconds };
+        synchronize(&clock, &[recording], &Params { use_stamps: false, ..params(Mode::Stated) }).unwrap_err()
+    };
+    let rate = Rate { frames: u32::MAX, seconds: 1 };
+    assert_eq!(refused(TakeClock { rate, ..clock() }, 1), Error::TakeRate(rate));
+    assert_eq!(refused(TakeClock { first_frame: i64::MAX, ..clock() }, 1), Error::FirstFrame(i64::MAX));
+    let error = refused(clock(), 1_000_000);
+    assert!(matches!(&error, Error::TooLong { images: 60, .. }), "{error}");
+}
+
+/// What is known from elsewhere is added: the camera then shows later frames, and its part of a frame is said.
+#[test]
+fn a_camera_that_is_known_to_be_late_shows_later_frames() {
+    let recordings = [stamped("a", |_, time| time), stamped("b", |_, time| time)];
+    for mode in [Mode::Stated, Mode::Timestamps] {
+        let late = |id: &str| Params { late: [(id.to_string(), 2.3)].into(), ..params(mode) };
+        let found = synchronize(&clock(), &recordings, &late("b")).unwrap();
+        assert!((found.header.cameras["b"].offset_frames - 0.3).abs() < 1e-6);
+        assert_eq!(found.frames[1].shows["b"], None, "it was not there yet");
+        assert_eq!(
+            (found.frames[12].shows["a"].unwrap().index, found.frames[12].shows["b"].unwrap().index),
+            (12, 10)
+        );
+        let error = synchronize(&clock(), &recordings, &late("c")).unwrap_err();
+        assert_eq!(error, Error::NoSuchCamera("c".into()));
+    }
+}
+
+#[test]
+fn a_short_take_says_how_many_images_correlation_needs() {
+    let film = |id| Camera::new(id, 1, 0.0, 0.0).film(25, true, 1);
+    let error = synchronize(&clock(), &[film("a"), film("b")], &params(Mode::Correlation)).unwrap_err();
+    assert!(error.to_string().contains("60 at least are needed"), "{error}");
+}

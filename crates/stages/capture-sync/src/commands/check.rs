@@ -1,9 +1,10 @@
 //! How far the cameras are apart, in ms and in mm.
 
 use anyhow::bail;
-use artifact::{FrameReader, SyncFrame, SyncHeader, TimeBase, Trajectories3d, picture};
+use artifact::{FrameReader, SyncFrame, SyncHeader, SyncSource, TimeBase, Trajectories3d, picture};
 use capture_sync::{Skew, draw, skews, speeds};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Report each camera's skew in ms, and what it means in mm where markers move
@@ -49,8 +50,9 @@ impl Check {
         };
         run.result("speed_mm_s", speed);
         let skews = skews(&header, &frames, speed);
-        run.say("camera    mean/ms  worst/ms  mean/mm  worst/mm   shown  missing  doubled");
+        run.say("camera    mean/ms  worst/ms  mean/mm  worst/mm   shown  missing  doubled  source");
         skews.iter().for_each(|(id, skew)| run.say(&row(id, skew)));
+        warn_of_stated(run, &skews);
         let worst = skews.values().map(|skew| skew.worst_ms.abs()).fold(0.0, f64::max);
         run.result("worst_ms", worst);
         run.result("cameras", &skews);
@@ -83,13 +85,42 @@ fn measured_speed(run: &mut stage::Run, path: &Path, header: &SyncHeader) -> any
 fn row(id: &str, skew: &Skew) -> String {
     let mm = |value: Option<f64>| value.map_or_else(|| "–".to_string(), |value| format!("{value:.3}"));
     format!(
-        "{id:<8} {:>8.3}  {:>8.3}  {:>7}  {:>8}  {:>6}  {:>7}  {:>7}",
-        skew.mean_ms,
-        skew.worst_ms,
+        "{id:<8} {:>8.3}  {:>8.3}  {:>7}  {:>8}  {:>6}  {:>7}  {:>7}  {}",
+        unsigned_zero(skew.mean_ms),
+        unsigned_zero(skew.worst_ms),
         mm(skew.mean_mm),
         mm(skew.worst_mm),
         skew.shown,
         skew.missing,
-        skew.doubled
+        skew.doubled,
+        name(skew.source)
     )
+}
+
+/// What would be printed as -0.000 is 0.
+fn unsigned_zero(ms: f64) -> f64 {
+    if ms.abs() < 5e-4 { 0.0 } else { ms }
+}
+
+fn name(source: SyncSource) -> &'static str {
+    match source {
+        SyncSource::Stated => "stated",
+        SyncSource::Timestamps => "timestamps",
+        SyncSource::Trigger => "trigger",
+        SyncSource::Flash => "flash",
+        SyncSource::Correlation => "correlation",
+    }
+}
+
+/// A lag that was only stated says nothing about the images.
+fn warn_of_stated(run: &mut stage::Run, skews: &BTreeMap<String, Skew>) {
+    let stated = skews.iter().filter(|(_, skew)| skew.source == SyncSource::Stated);
+    let ids: Vec<&str> = stated.map(|(id, _)| &id[..]).collect();
+    if !ids.is_empty() {
+        run.warn(format!(
+            "the lags of {} are stated, not measured; calibrate doctor measures them where tracks are, and capture-sync run \
+             --late sets them",
+            ids.join(", ")
+        ));
+    }
 }

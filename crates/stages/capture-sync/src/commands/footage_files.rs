@@ -2,7 +2,7 @@
 
 use anyhow::{anyhow, bail};
 use artifact::timestamps::{self, TimeStamp};
-use artifact::{TakeCamera, picture};
+use artifact::{TakeCamera, Transfer, picture};
 use capture_sync::{Image, Reading, Recording};
 use rayon::prelude::*;
 use stage::Run;
@@ -61,6 +61,7 @@ impl FootageFiles {
                 take.display()
             );
         };
+        check_coding(take, camera)?;
         let source = match (&footage.images, &footage.file) {
             (Some(pattern), _) => {
                 let pattern = folder.join(pattern);
@@ -166,15 +167,34 @@ impl FootageFiles {
     fn pictures(&self, pattern: &Path, numbers: &[i64], looking: Looking) -> anyhow::Result<Vec<Image>> {
         let look = looking.at_pixels;
         let read = |(place, &index): (usize, &i64)| {
-            // One picture shows whether the manifest describes this footage, also where none needs to be read.
+            let path = picture_path(pattern, index);
+            self.check_picture(&path)?;
+            // One picture shows whether they decode, also where none needs to be read.
             let reading = match look || place == 0 {
-                true => Some(self.reading(&picture_path(pattern, index))?),
+                true => Some(self.reading(&path)?),
                 false => None,
             };
             looking.step();
             Ok(Image { index, time_s: None, reading: reading.filter(|_| look) })
         };
         numbers.par_iter().enumerate().map(|(place, index)| read((place, index))).collect()
+    }
+
+    /// Refuses a picture that is cut, or of another size or depth than the manifest says.
+    fn check_picture(&self, path: &Path) -> anyhow::Result<()> {
+        let id = &self.camera.id;
+        let head = picture::read_head(path).map_err(|error| anyhow!("camera {id}: {error}"))?;
+        self.check_size(path, head.size)?;
+        let stated = self.camera.bit_depth;
+        match (head.bits > 8) == (stated > 8) {
+            true => Ok(()),
+            false => bail!(
+                "{}: camera {id} has pictures of {} bits a channel, but the take manifest says {stated}\n  to do: find out which \
+                 is right; more than 8 bits come in pictures of 16",
+                path.display(),
+                head.bits
+            ),
+        }
     }
 
     fn reading(&self, path: &Path) -> anyhow::Result<Reading> {
@@ -200,6 +220,19 @@ impl FootageFiles {
                 stated[1]
             ),
         }
+    }
+}
+
+/// Refuses a transfer function that is not known, and depths that no footage has.
+fn check_coding(take: &Path, camera: &TakeCamera) -> anyhow::Result<()> {
+    let place = format!("{}, camera {}", take.display(), camera.id);
+    camera.transfer.parse::<Transfer>().map_err(|error| anyhow!("{place}: {error}"))?;
+    match (1..=16).contains(&camera.bit_depth) {
+        true => Ok(()),
+        false => bail!(
+            "{place}: bit_depth is {}; 1 to 16 bits a channel are allowed\n  to do: correct it",
+            camera.bit_depth
+        ),
     }
 }
 

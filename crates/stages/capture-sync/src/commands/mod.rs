@@ -3,4 +3,5 @@
 pub(crate) mod check;
 mod extract;
 mod footage_files;
+mod output_folder;
 pub(crate) mod run;

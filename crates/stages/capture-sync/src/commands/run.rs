@@ -2,6 +2,7 @@
 
 use super::extract::extract;
 use super::footage_files::{FootageFiles, Looking, Read};
+use super::output_folder::{self, OutputFolder};
 use anyhow::{anyhow, bail};
 use artifact::{Clock, FrameRange, FrameWriter, Frames, SyncFrame, Take, TakeRef, TimeBase, Timecode};
 use capture_sync::{CameraReport, Error, Loss, Mode, Params, Synchronized, TakeClock, synchronize};
@@ -35,6 +36,9 @@ pub(crate) struct Run {
     /// How far off a clock is expected to run, ppm: holds back the drift of short takes
     #[arg(long, value_name = "PPM", default_value_t = Params::default().drift_prior_ppm, allow_negative_numbers = true)]
     drift_prior_ppm: f64,
+    /// How many mocap frames later than found otherwise a camera takes its images; for what tracks tell; may be said again
+    #[arg(long, value_name = "ID=FRAMES", value_parser = late)]
+    late: Vec<(String, f64)>,
     /// Mocap frames to write, by their absolute numbers; the time base is found from all footage
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -47,6 +51,14 @@ pub(crate) struct Run {
     /// Write only sync.jsonl
     #[arg(long)]
     no_extract: bool,
+}
+
+fn late(text: &str) -> Result<(String, f64), String> {
+    let parts = text.split_once('=').and_then(|(id, frames)| Some((id, frames.parse::<f64>().ok()?)));
+    match parts.filter(|(id, frames)| !id.is_empty() && frames.is_finite()) {
+        Some((id, frames)) => Ok((id.to_string(), frames)),
+        None => Err(format!("'{text}' is not a camera and a number of mocap frames, as in m4=2.3")),
+    }
 }
 
 /// Offsets that are less sure than this are pointed out, mocap frames.
@@ -90,12 +102,19 @@ impl Run {
             use_stamps: !self.ignore_timestamps,
             search_s: self.search_s,
             drift_prior_ppm: self.drift_prior_ppm,
+            late: self.late()?,
         };
         params.check()?;
         let range = self.frames.unwrap_or(FrameRange::ALL);
         run.parameters(&json!({ "sync": params, "frames": range.to_string(), "extract": !self.no_extract }))?;
         let outputs = [self.out.join("sync.jsonl"), self.out.join("frames.json")];
         run.check_outputs(&[&outputs[0], &outputs[1]])?;
+        output_folder::check_writable(&self.out)?;
+        let folder = (!self.no_extract).then(|| {
+            let ids: Vec<&str> = files.iter().map(|files| &files.camera.id[..]).collect();
+            OutputFolder::check(&self.out, &self.take, &take, &ids)
+        });
+        let folder = folder.transpose()?;
         let found = self.synchronize(run, &take, &files, &params)?;
         let frames: Vec<SyncFrame> =
             found.frames.iter().filter(|frame| range.contains(frame.frame)).cloned().collect();
@@ -107,7 +126,15 @@ impl Run {
             );
         }
         report(run, &found, &frames, &take)?;
-        self.write(run, &found, &frames, &files, reference)
+        self.write(run, &found, &frames, &files, folder, reference)
+    }
+
+    fn late(&self) -> anyhow::Result<BTreeMap<String, f64>> {
+        let late: BTreeMap<String, f64> = self.late.iter().cloned().collect();
+        match late.len() == self.late.len() {
+            true => Ok(late),
+            false => bail!("--late: a camera is named twice\n  to do: name each camera once"),
+        }
     }
 
     fn open(&self, run: &mut stage::Run, take: &Take) -> anyhow::Result<Vec<FootageFiles>> {
@@ -177,6 +204,7 @@ impl Run {
         found: &Synchronized,
         frames: &[SyncFrame],
         files: &[FootageFiles],
+        folder: Option<OutputFolder>,
         take: TakeRef,
     ) -> anyhow::Result<()> {
         let mut header = found.header.clone();
@@ -186,9 +214,10 @@ impl Run {
             sync.write(frame)?;
         }
         let mut outputs = vec![sync.finish()?];
-        if !self.no_extract {
+        if let Some(folder) = folder {
             // Until it is written anew, no list of images says that they are all there.
             artifact::withdraw(&self.out.join("frames.json"))?;
+            folder.clear()?;
             let mut cameras = BTreeMap::new();
             for files in files {
                 cameras.insert(files.camera.id.clone(), extract(run, files, frames, &self.out)?);
@@ -197,6 +226,26 @@ impl Run {
             outputs.push(artifact::write_document(&self.out.join("frames.json"), &frames)?);
         }
         run.publish(outputs)
+    }
+}
+
+/// Where most images are missing, a rate is wrong more often than a camera.
+fn warn_of_few(run: &mut stage::Run, found: &Synchronized) {
+    for (id, CameraReport { images, dropped, missing, .. }) in &found.report {
+        let rate = found.header.cameras[id].rate;
+        let due = found.frames.iter().filter(|frame| frame.shows.contains_key(id)).count();
+        if *dropped as u64 > *images as u64 {
+            run.warn(format!(
+                "camera {id}: of {} images most, {dropped}, are missing; is its rate {rate}, and are its stamps right?",
+                *images as u64 + *dropped as u64
+            ));
+        } else if 2 * missing > due {
+            run.warn(format!(
+                "camera {id}: most of its frames, {missing} of {due}, have no image; are its rate {rate} and the take's {} \
+                 right?",
+                found.header.rate
+            ));
+        }
     }
 }
 
@@ -215,6 +264,7 @@ fn report(
             "{id:<8} {images:>6}  {dropped:>7}  {doubled:>7}  {missing:>7}  {offset_frames:>13.3}  {drift_ppm:>9.1}"
         ));
     }
+    warn_of_few(run, found);
     for (id, camera) in &found.report {
         for Loss { before_image, within, images } in &camera.losses {
             run.warn(format!(
