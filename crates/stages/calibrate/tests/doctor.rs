@@ -205,6 +205,41 @@ fn a_mirrored_video_is_named() {
 }
 
 #[test]
+fn cameras_whose_names_were_exchanged_are_named() {
+    let mut filmed = face(1, 0.05);
+    filmed.cameras.swap(0, 2);
+    let findings = filmed.examined().findings;
+    let named: Vec<(Option<&str>, Kind)> =
+        findings.iter().map(|finding| (finding.camera.as_deref(), finding.kind)).collect();
+    assert_eq!(named, [(Some("m1"), Kind::Exchanged), (Some("m3"), Kind::Exchanged)]);
+    assert!(findings[0].what.contains("calibrated as m3"), "{}", findings[0].what);
+}
+
+#[test]
+fn a_rig_that_is_mirrored_as_a_whole_is_named_as_a_whole() {
+    let mut filmed = face(1, 0.05);
+    (0..CAMERAS).for_each(|c| mirror(&mut filmed, c, &mut ChaCha8Rng::seed_from_u64(1)));
+    let findings = filmed.examined().findings;
+    assert!(
+        findings.iter().any(|finding| finding.camera.is_none() && finding.kind == Kind::Mirrored),
+        "{findings:?}"
+    );
+}
+
+#[test]
+fn a_blind_camera_is_told_and_nothing_at_all_too() {
+    let mut filmed = face(1, 0.05);
+    filmed.seen[3].iter_mut().for_each(|track| track.fill(None));
+    let examination = filmed.examined();
+    assert!(examination.compared && examination.findings.is_empty(), "{:?}", examination.findings);
+    assert_eq!(examination.unjudged, ["camera m4: it sees no point that another camera sees"]);
+    for seen in &mut filmed.seen[1..] {
+        seen.iter_mut().for_each(|track| track.fill(None));
+    }
+    assert!(!filmed.examined().compared);
+}
+
+#[test]
 fn a_boards_other_pose_is_named() {
     assert_caught("flipped, wand", &[Kind::Flipped], flip, wand);
     assert_caught("flipped, face", &[Kind::Flipped], flip, face);
