@@ -91,7 +91,7 @@ pub(crate) fn tell(run: &mut Run, report: &Report) -> anyhow::Result<()> {
             ));
         }
         run.say(&format!(
-            "  {id}: rms {:.3} px, median {:.3} px, {} views, {} points ({} outliers), in {:.0} % of the image's cells",
+            "  {id}: rms {:.3} px, median {:.3} px, {} images, {} points ({} outliers), in {:.0} % of the image's cells",
             camera.rms_px,
             camera.median_px,
             camera.views,

@@ -119,7 +119,8 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let wand = run
         .timed("calibrate", || calibrate(&sightings, &params))
         .map_err(|error| told(&arguments.input, &error))?;
-    report(run, &sightings, &wand, &params.scale);
+    report(run, &sightings, &wand);
+    tell_scale(run, &params.scale);
     run.publish(vec![write_document(&arguments.out, &rig(&sightings, &wand, reference))?])
 }
 
@@ -145,7 +146,7 @@ fn rig(sightings: &Sightings, wand: &Wand, take: Option<artifact::TakeRef>) -> C
     CameraRig { cameras: sightings.cameras.iter().enumerate().map(camera).collect(), take }
 }
 
-fn report(run: &mut Run, sightings: &Sightings, wand: &Wand, scale: &Scale) {
+fn report(run: &mut Run, sightings: &Sightings, wand: &Wand) {
     let worst =
         (0..wand.rms_px.len()).max_by(|&a, &b| wand.rms_px[a].total_cmp(&wand.rms_px[b])).unwrap_or(0);
     let row = |(i, camera): (usize, &calibrate::wand::WandCamera)| {
@@ -168,13 +169,6 @@ fn report(run: &mut Run, sightings: &Sightings, wand: &Wand, scale: &Scale) {
     run.result("cameras", rows);
     run.result("worst_rms_px", wand.rms_px[worst]);
     run.result("lengths", &wand.lengths);
-    if *scale == Scale::Unknown {
-        run.result("scale", "unknown");
-        run.warn(
-            "the scale is not known: the cameras are set 1000 mm from the wand on average, and nothing that is measured with them \
-             is in mm; give --scale a length before markers are measured",
-        );
-    }
     for one in &wand.lengths {
         let off = one.mm / one.length.mm - 1.0;
         if off.abs() > 0.005 {
@@ -185,6 +179,17 @@ fn report(run: &mut Run, sightings: &Sightings, wand: &Wand, scale: &Scale) {
                 100.0 * off
             ));
         }
+    }
+}
+
+/// A scale that is unknown stays in the record.
+fn tell_scale(run: &mut Run, scale: &Scale) {
+    if *scale == Scale::Unknown {
+        run.result("scale", "unknown");
+        run.warn(
+            "the scale is not known: the cameras are set 1000 mm from the wand on average, and nothing that is measured with them \
+             is in mm; give --scale a length before markers are measured",
+        );
     }
 }
 

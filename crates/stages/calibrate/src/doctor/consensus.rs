@@ -2,9 +2,10 @@
 
 use super::fault::{Verdict, judge};
 use super::model::Datum;
+use super::rays::{Ray, Rays, nearest};
 use super::trajectory::Trajectories;
 use super::{Evidence, Examination, Finding, Kind, Params, Sighting, lengths};
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Sightings of a camera that faults are fitted to, at most.
@@ -39,54 +40,6 @@ pub(super) fn examine(evidence: &Evidence, params: &Params, examination: &mut Ex
     let points = court.rays.points(&court.trusted, None);
     court.behind(&points, examination);
     lengths::examine(&evidence.lengths, &points, params, examination);
-}
-
-/// A view in world space: camera, eye, direction.
-type Ray = (usize, Point3<f64>, Vector3<f64>);
-
-/// Rays of all views.
-struct Rays {
-    /// Per sighting.
-    views: Vec<Vec<Ray>>,
-}
-
-impl Rays {
-    fn of(evidence: &Evidence) -> Self {
-        let ray = |&(c, pixel): &(usize, nalgebra::Vector2<f64>)| {
-            let camera = &evidence.patients[c].camera;
-            Some((c, camera.eye_in_world(), camera.ray_in_world(pixel)?.into_inner()))
-        };
-        let views = evidence.sightings.iter().map(|sighting| sighting.views.iter().filter_map(ray).collect());
-        Self { views: views.collect() }
-    }
-
-    fn count(&self, camera: usize) -> usize {
-        self.views.iter().filter(|views| views.len() > 1 && views.iter().any(|view| view.0 == camera)).count()
-    }
-
-    /// Per sighting the point nearest to the rays of trusted cameras, one left out; none from fewer than two.
-    fn points(&self, trusted: &[bool], without: Option<usize>) -> Vec<Option<Point3<f64>>> {
-        let place = |views: &Vec<Ray>| {
-            nearest(views.iter().filter(|view| trusted[view.0] && Some(view.0) != without))
-        };
-        self.views.iter().map(place).collect()
-    }
-}
-
-/// Rays whose normal matrix has a smaller share than this across are parallel.
-const PARALLEL: f64 = 1e-6;
-
-/// The point with the least squared distance to rays, wherever it lies along them.
-fn nearest<'a>(views: impl Iterator<Item = &'a Ray>) -> Option<Point3<f64>> {
-    let (mut normal, mut right, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0);
-    for (_, eye, direction) in views {
-        let across = Matrix3::identity() - direction * direction.transpose();
-        normal += across;
-        right += across * eye.coords;
-        count += 1;
-    }
-    let is_open = count < 2 || normal.determinant() <= PARALLEL * f64::from(count).powi(3);
-    (!is_open).then(|| normal.cholesky().map(|factor| Point3::from(factor.solve(&right))))?
 }
 
 struct Court<'a> {
