@@ -68,6 +68,8 @@ pub enum Dictionary {
 
 /// Most corners along a side: what any printer prints.
 const MOST: u32 = 1000;
+/// Sides of squares, mm: anything else is a slip of the unit or the pen.
+const SIDES_MM: std::ops::RangeInclusive<f64> = 0.1..=10_000.0;
 
 impl Dictionary {
     /// How many markers it has.
@@ -151,11 +153,14 @@ impl Board {
     pub fn check(&self) -> Result<(), String> {
         let [columns, rows] = self.grid();
         if !(2..=MOST).contains(&columns) || !(2..=MOST).contains(&rows) {
-            return Err(format!("a board of {columns} × {rows} inner corners; it needs 2 × 2 at least"));
+            return Err(format!(
+                "a board of {columns} × {rows} inner corners; it needs 2 × 2 at least, {MOST} × {MOST} at most"
+            ));
         }
         let side = self.square_mm();
-        if !(side.is_finite() && side > 0.0) {
-            return Err(format!("squares of {side} mm"));
+        if !SIDES_MM.contains(&side) {
+            let [least, most] = [SIDES_MM.start(), SIDES_MM.end()];
+            return Err(format!("squares of {side:e} mm; they have from {least} to {most} mm"));
         }
         match *self {
             Self::Charuco { marker_mm, .. } if !(marker_mm > 0.0 && marker_mm < side) => {

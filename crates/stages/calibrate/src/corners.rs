@@ -84,17 +84,26 @@ impl Stream for BoardCorners {
     }
 }
 
+/// Corners may lie outside the image by so much, px: they are placed between pixels, from what is seen around them.
+const BEYOND_PX: f64 = 2.0;
+
 fn check_line(header: &CornersHeader, line: &CornersLine) -> Result<(), Violation> {
     let [columns, rows] = header.board.grid();
     for (camera, corners) in &line.corners {
         let place = format!("frame {}, camera {camera}", line.frame);
-        if !header.cameras.contains_key(camera) {
+        let Some(size) = header.cameras.get(camera) else {
             return Err(Violation::new(place, "is not among the header's cameras"));
-        }
+        };
         let mut ids = std::collections::BTreeSet::new();
         for &(id, x, y) in corners {
             let place = format!("{place}, corner {id}");
             finite(&place, &[x, y])?;
+            let ends = size.map(|side| f64::from(side) - 1.0 + BEYOND_PX);
+            if x < -BEYOND_PX || y < -BEYOND_PX || x > ends[0] || y > ends[1] {
+                let what =
+                    format!("({x:.1}, {y:.1}) is outside of the image of {} × {} px", size[0], size[1]);
+                return Err(Violation::new(place, what));
+            }
             if id >= columns * rows {
                 return Err(Violation::new(
                     place,

@@ -91,7 +91,7 @@ pub(crate) fn report(
 fn camera_report(image_size: [u32; 2], own: &[&Residual]) -> CameraReport {
     let mut sizes: Vec<f64> = own.iter().map(|residual| residual.error.norm()).collect();
     sizes.sort_by(f64::total_cmp);
-    let squares: f64 = sizes.iter().map(|size| size * size).sum();
+    let squares = sizes.iter().fold(0.0, |sum, size| sum + size * size);
     let cells: BTreeSet<[usize; 2]> = own.iter().filter_map(|residual| cell(image_size, residual)).collect();
     CameraReport {
         views: own.iter().map(|residual| residual.frame).collect::<BTreeSet<_>>().len(),

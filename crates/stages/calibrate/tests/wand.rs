@@ -177,3 +177,27 @@ fn what_cannot_be_found_is_refused_by_name() {
     let params = Params { scale: Scale::Lengths(vec![length]), ..Params::default() };
     assert!(refused(&all, &params).to_string().contains("there is no frame 999"));
 }
+
+#[test]
+fn lengths_that_contradict_each_other_are_refused() {
+    let truth = rig::cameras(1);
+    let path = rig::wand_path(120, 90.0, 1);
+    let apart = |a: usize, b: usize| (truth[a].eye_in_world() - truth[b].eye_in_world()).norm();
+    let length = |a: &str, b: &str, mm| Length { ends: Ends::Cameras(a.into(), b.into()), mm };
+    let known = vec![length("m1", "m6", apart(0, 5)), length("m1", "m2", 1.1 * apart(0, 1))];
+    let params = Params { scale: Scale::Lengths(known), ..Params::default() };
+    let refused = calibrate(&sightings(&truth, &path, 0.05, 1), &params).unwrap_err();
+    assert!(matches!(refused, Error::Contradiction { .. }), "{refused}");
+    assert!(refused.to_string().contains("m1:m2="), "{refused}");
+}
+
+#[test]
+fn a_camera_a_frame_late_is_named() {
+    let truth = rig::cameras(1);
+    let path = rig::wand_path(120, 90.0, 1);
+    let mut all = sightings(&truth, &path, 0.05, 1);
+    all.cameras[2].track.rotate_right(1);
+    all.cameras[2].track[0] = None;
+    let said = calibrate(&all, &Params::default()).map(|wand| wand.rejected);
+    assert!(matches!(&said, Err(Error::Apart(id)) if id == "m3"), "{said:?}");
+}

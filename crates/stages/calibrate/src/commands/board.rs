@@ -1,17 +1,34 @@
 //! Calibration from a board.
 
+use super::footage::{Footage, check_corners, check_outputs};
 use super::shared::{Lens, Loss, of_file, read_corners, tell};
 use artifact::Staged;
 use calibrate::{Calibration, Corners, Params, calibrate_board};
 use stage::Run;
 use std::path::{Path, PathBuf};
 
+/// What is said of pictures, and would say nothing of corners that were found.
+#[cfg(feature = "detect")]
+const OF_PICTURES: [&str; 11] = [
+    "folder",
+    "name",
+    "images",
+    "every",
+    "board",
+    "chessboard",
+    "charuco",
+    "square_mm",
+    "marker_mm",
+    "dictionary",
+    "see_through",
+];
+
 /// Calibrate all cameras from a board held before them
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Corners that were found, as `calibrate detect` writes them
     #[cfg(feature = "detect")]
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["folder", "images"], required_unless_present_any = ["folder", "images"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = OF_PICTURES, required_unless_present_any = ["folder", "images"])]
     corners: Option<PathBuf>,
     /// Corners that were found, as `calibrate detect` writes them (built with the feature `detect`)
     #[cfg(not(feature = "detect"))]
@@ -20,6 +37,8 @@ pub(crate) struct Arguments {
     #[cfg(feature = "detect")]
     #[command(flatten)]
     pictures: super::detect::Pictures,
+    #[command(flatten)]
+    footage: Footage,
     /// Where to write the cameras
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -58,6 +77,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     params.check()?;
     run.parameters(&params)?;
     let corners = arguments.corners(run)?;
+    check_corners(run, arguments.source(), &corners)?;
     let calibration = run
         .timed("calibrate", || calibrate_board(&corners, &params))
         .map_err(|error| of_file(arguments.source(), &error))?;
@@ -91,17 +111,18 @@ impl Arguments {
         &self.corners
     }
 
-    #[cfg(feature = "detect")]
     fn corners(&self, run: &mut Run) -> anyhow::Result<Corners> {
-        match &self.corners {
-            Some(path) => read_corners(run, path),
-            None => self.pictures.corners(run),
-        }
-    }
-
-    #[cfg(not(feature = "detect"))]
-    fn corners(&self, run: &mut Run) -> anyhow::Result<Corners> {
-        read_corners(run, &self.corners)
+        let outputs = [Some(self.out.as_path()), self.picture.as_deref()];
+        #[cfg(feature = "detect")]
+        let Some(path) = &self.corners else {
+            return self.pictures.corners(run, &self.footage, &outputs);
+        };
+        #[cfg(not(feature = "detect"))]
+        let path = &self.corners;
+        let mut corners = read_corners(run, path)?;
+        self.footage.apply(run, path, &mut corners)?;
+        check_outputs(run, &outputs)?;
+        Ok(corners)
     }
 
     fn outputs(&self, calibration: &Calibration) -> anyhow::Result<Vec<Staged>> {

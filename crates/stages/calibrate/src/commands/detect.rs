@@ -1,5 +1,6 @@
 //! Corners of boards in pictures.
 
+use super::footage::{Footage, check_outputs};
 use super::shots::{self, Choice, Looked, Shot, Shots};
 use anyhow::{Context, bail};
 use artifact::FrameWriter;
@@ -16,6 +17,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Arguments {
     #[command(flatten)]
     pictures: Pictures,
+    #[command(flatten)]
+    footage: Footage,
     /// Where to write the corners
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -55,9 +58,6 @@ pub(crate) struct Pictures {
     /// Markers of a ChArUco board: 4x4_50 to 6x6_1000
     #[arg(long, value_name = "NAME", value_parser = dictionary, default_value = "4x4_50")]
     dictionary: Dictionary,
-    /// The take that the pictures belong to: its cameras' image sizes are checked
-    #[arg(long, value_name = "FILE")]
-    take: Option<PathBuf>,
     /// A ChArUco board that cameras may see from behind, as one of glass
     #[arg(long, conflicts_with_all = ["board", "chessboard"])]
     see_through: bool,
@@ -70,7 +70,7 @@ fn dictionary(text: &str) -> Result<Dictionary, String> {
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("detect");
-    let corners = arguments.pictures.corners(run)?;
+    let corners = arguments.pictures.corners(run, &arguments.footage, &[Some(&arguments.out)])?;
     run.parameters(&serde_json::json!({ "board": corners.header.board }))?;
     let mut writer = FrameWriter::<BoardCorners>::create(&arguments.out, corners.header)?;
     for frame in &corners.frames {
@@ -87,11 +87,18 @@ impl Pictures {
         self.folder.as_deref()
     }
 
-    /// The corners in all pictures. Instants at which no camera sees the board are left out.
-    pub(crate) fn corners(&self, run: &mut Run) -> anyhow::Result<Corners> {
+    /// The corners in all pictures. Instants at which no camera sees the board are left out. `outputs` are what will be
+    /// written: they are checked before the search.
+    pub(crate) fn corners(
+        &self,
+        run: &mut Run,
+        footage: &Footage,
+        outputs: &[Option<&Path>],
+    ) -> anyhow::Result<Corners> {
         let board = self.board(run)?;
-        let shots = self.shots()?;
-        let take = self.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
+        let shots = self.shots(footage)?;
+        let take = footage.load(run)?;
+        check_outputs(run, outputs)?;
         let choice = Choice { every: self.every, take: take.as_ref().map(|(take, _)| take) };
         let look =
             |shot: &Shot| Ok(find_corners(Picture { size: shot.size, gray: &gray(shot.rgb) }, &board)?);
@@ -142,7 +149,7 @@ impl Pictures {
         }
     }
 
-    fn shots(&self) -> anyhow::Result<Vec<Shots>> {
+    fn shots(&self, footage: &Footage) -> anyhow::Result<Vec<Shots>> {
         let mut all = match &self.folder {
             Some(folder) => shots::in_folder(folder, &self.name)?,
             None => BTreeMap::new(),
@@ -155,6 +162,7 @@ impl Pictures {
                 bail!("--images {stated}: camera {id} has pictures already\n  to do: name each camera once");
             }
         }
+        footage.leave_out(self.folder().unwrap_or(Path::new("--images")), &mut all)?;
         match all.is_empty() {
             true => bail!("there are no pictures\n  to do: give --folder or --images"),
             false => Ok(all.into_values().collect()),

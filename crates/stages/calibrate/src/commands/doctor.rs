@@ -80,8 +80,11 @@ fn tell(run: &mut Run, examination: &Examination) -> anyhow::Result<()> {
             report.camera,
             number(report.residual_px, "px"),
             number(report.late_frames, "frames late"),
-            number(report.coverage, "of the image"),
+            number(report.coverage, "of the image (hull of the points)"),
         ));
+    }
+    for what in &examination.unjudged {
+        run.warn(format!("{what}; nothing was found out about it"));
     }
     examination.unchecked.iter().for_each(|what| run.say(&format!("  not checked: {what}")));
     examination.findings.iter().for_each(|finding| run.say(&sentence(finding)));
@@ -91,6 +94,10 @@ fn tell(run: &mut Run, examination: &Examination) -> anyhow::Result<()> {
         run.result("length_ratio", ratio);
     }
     match examination.findings.len() {
+        0 if !examination.compared => run.object(
+            "nothing to examine: no points that two cameras see at the same time; only sizes and lenses were looked at\n  to do: give \
+             --tracks or --corners that cameras of this rig saw together",
+        ),
         0 => {}
         1 => run.object("the calibration has a fault"),
         count => run.object(format!("the calibration has {count} faults")),

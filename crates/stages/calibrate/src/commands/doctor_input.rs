@@ -30,7 +30,10 @@ pub(super) fn read(run: &mut Run, given: &Given) -> anyhow::Result<Evidence> {
         sizes.extend(take.cameras.into_iter().map(|camera| (camera.id, camera.image_size)));
     }
     let corners = given.corners.map(|path| read_corners(run, path)).transpose()?;
-    if let Some(corners) = &corners {
+    if let (Some(path), Some(corners)) = (given.corners, &corners) {
+        if let Some(id) = corners.header.cameras.keys().find(|id| !rig.cameras.contains_key(*id)) {
+            return Err(foreign(path, id).into());
+        }
         let stated = corners.header.cameras.iter().map(|(id, size)| (id.clone(), *size));
         stated.for_each(|(id, size)| _ = sizes.entry(id).or_insert(size));
     }
@@ -53,16 +56,19 @@ pub(super) fn read(run: &mut Run, given: &Given) -> anyhow::Result<Evidence> {
     Ok(evidence)
 }
 
+/// A camera that the calibration does not know.
+fn foreign(path: &Path, id: &str) -> Error {
+    let error = Error::new(path, "the calibration has no such camera").at(format!("camera {id}"));
+    error.fix("give the cameras, and the tracks or corners, of one rig")
+}
+
 fn add_tracks(run: &mut Run, path: &Path, lengths: &[Length], evidence: &mut Evidence) -> anyhow::Result<()> {
     run.input("tracks", path)?;
     let reader = FrameReader::<Tracks2d>::open(path)?;
     let header = reader.header().clone();
     let place = |id: &String| {
         let place = evidence.patients.iter().position(|patient| patient.id == *id);
-        place.ok_or_else(|| {
-            let error = Error::new(path, "the calibration has no such camera").at(format!("camera {id}"));
-            error.fix("give the cameras and the tracks of one rig")
-        })
+        place.ok_or_else(|| foreign(path, id))
     };
     let cameras: Vec<usize> = header.cameras.iter().map(place).collect::<Result<_, _>>()?;
     let mut index: BTreeMap<(String, i64), usize> = BTreeMap::new();
@@ -80,7 +86,7 @@ fn add_tracks(run: &mut Run, path: &Path, lengths: &[Length], evidence: &mut Evi
         let known = known(length, &header, &index);
         if known.is_empty() {
             let what = "a length is stated between markers or frames that it does not have";
-            return Err(Error::new(path, what).at(format!("{:?}", length.ends)).into());
+            return Err(Error::new(path, what).at(format!("--length {}={}", length.ends, length.mm)).into());
         }
         evidence.lengths.extend(known);
     }

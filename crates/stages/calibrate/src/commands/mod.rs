@@ -6,6 +6,7 @@ mod convert;
 mod detect;
 mod doctor;
 mod doctor_input;
+mod footage;
 mod length;
 mod refine;
 mod shared;

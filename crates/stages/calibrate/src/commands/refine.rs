@@ -1,5 +1,6 @@
 //! Refinement of cameras that are known.
 
+use super::footage::{self, check_corners, check_outputs, check_points};
 use super::shared::{Lens, Loss, of_file, read_corners, tell};
 use artifact::{CameraRig, FrameRange, FrameReader, Staged, Tracks2d, Tracks2dFrame};
 use calibrate::bundle::{Focal, Free};
@@ -20,6 +21,9 @@ pub(crate) struct Arguments {
     /// Markers tracked in the images
     #[arg(long, value_name = "FILE")]
     tracks: Option<PathBuf>,
+    /// Take manifest: the cameras' image sizes are checked
+    #[arg(long, value_name = "FILE")]
+    take: Option<PathBuf>,
     /// Use only these frames, e.g. 1001-1100
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -73,12 +77,16 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.parameters(&params)?;
     let rig: CameraRig = artifact::read_document(&arguments.cameras)?;
     run.input("cameras", &arguments.cameras)?;
+    if let Some(path) = &arguments.take {
+        footage::check_rig(&arguments.cameras, &rig, &stage::load_take(run, path)?.0)?;
+    }
     let refined = match (&arguments.corners, &arguments.tracks) {
         (Some(path), _) => arguments.with_corners(run, &rig, path, &params)?,
         (None, Some(path)) => arguments.with_tracks(run, &rig, path, &params)?,
         (None, None) => anyhow::bail!("neither --corners nor --tracks is given"),
     };
     tell(run, &refined.report)?;
+    warn_of_guesses(run, &refined, &params);
     let outputs = arguments.outputs(&refined)?;
     run.publish(outputs)
 }
@@ -112,6 +120,8 @@ impl Arguments {
         let mut corners = read_corners(run, path)?;
         let wanted = self.frames.unwrap_or(FrameRange::ALL);
         corners.frames.retain(|frame| wanted.contains(frame.frame));
+        check_corners(run, path, &corners)?;
+        check_outputs(run, &self.all_outputs())?;
         run.timed("refine", || refine_with_corners(rig, &corners, params))
             .map_err(|error| of_file(path, &error))
     }
@@ -132,8 +142,19 @@ impl Arguments {
         let frames = reader.filter(is_wanted).step_by(self.every as usize);
         let frames = frames.collect::<artifact::Result<Vec<Tracks2dFrame>>>()?;
         run.input("tracks", path)?;
+        for (c, id) in header.cameras.iter().enumerate() {
+            let Some(known) = rig.cameras.get(id) else { continue };
+            let seen = frames.iter().filter_map(|frame| frame.cameras[c].as_ref()).flatten().flatten();
+            let seen: Vec<_> = seen.map(|sample| sample.at.coords).collect();
+            check_points(run, path, id, known.camera.image_size, &seen)?;
+        }
+        check_outputs(run, &self.all_outputs())?;
         run.timed("refine", || refine_with_tracks(rig, &header, &frames, params))
             .map_err(|error| of_file(path, &error))
+    }
+
+    fn all_outputs(&self) -> [Option<&Path>; 2] {
+        [Some(&self.out), self.picture.as_deref()]
     }
 
     fn outputs(&self, refined: &Refined) -> anyhow::Result<Vec<Staged>> {
@@ -144,4 +165,38 @@ impl Arguments {
         }
         Ok(outputs)
     }
+}
+
+/// Standard deviations beyond which what was set free is no result: of focal lengths as a share, of principal points in px, of
+/// places in mm.
+const SURE_FOCAL: f64 = 0.003;
+const SURE_CENTER_PX: f64 = 3.0;
+const SURE_PLACE_MM: f64 = 2.0;
+
+/// Warns of cameras whose points do not tell what was set free.
+fn warn_of_guesses(run: &mut Run, refined: &Refined, params: &RefineParams) {
+    let mut guessed = Vec::new();
+    for (id, known) in &refined.rig.cameras {
+        let is_used = refined.report.cameras.get(id).is_some_and(|camera| camera.corners > 0);
+        if !is_used || params.hold.contains(id) {
+            continue;
+        }
+        let Some(deviation) = known.deviation else {
+            run.warn(format!("camera {id}: the points do not tell what was set free; set less free"));
+            guessed.push(id.clone());
+            continue;
+        };
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let focal = largest(&deviation.focal_px) / known.camera.lens.focal_px.x;
+        let (center, place) = (largest(&deviation.center_px), largest(&deviation.translation_mm));
+        if focal > SURE_FOCAL || center > SURE_CENTER_PX || place > SURE_PLACE_MM {
+            run.warn(format!(
+                "camera {id}: the points hardly tell what was set free: focal length ±{:.2} %, principal point ±{center:.1} px, place \
+                 ±{place:.1} mm (standard deviations); set less free, or use a board",
+                100.0 * focal
+            ));
+            guessed.push(id.clone());
+        }
+    }
+    run.result("undetermined", guessed);
 }

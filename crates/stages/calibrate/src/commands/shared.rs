@@ -80,14 +80,18 @@ pub(crate) fn tell(run: &mut Run, report: &Report) -> anyhow::Result<()> {
         );
     }
     for (id, camera) in &report.cameras {
+        if camera.corners == 0 {
+            run.say(&format!("  {id}: no points; it stays as it was"));
+            continue;
+        }
         if camera.coverage < LITTLE_COVERED {
             let share = 100.0 * camera.coverage;
             run.warn(format!(
-                "camera {id}: points cover {share:.0} % of its image; where none was, the lens is a guess"
+                "camera {id}: points lie in {share:.0} % of its image's cells; where none was, the lens is a guess"
             ));
         }
         run.say(&format!(
-            "  {id}: rms {:.3} px, median {:.3} px, {} views, {} points ({} outliers), {:.0} % of the image",
+            "  {id}: rms {:.3} px, median {:.3} px, {} images, {} points ({} outliers), in {:.0} % of the image's cells",
             camera.rms_px,
             camera.median_px,
             camera.views,

@@ -100,6 +100,7 @@ pub(super) fn in_folder(folder: &Path, name: &str) -> anyhow::Result<BTreeMap<St
 }
 
 /// The images of one camera: a video, or pictures whose names have `{frame}` for their number.
+#[cfg(feature = "detect")]
 pub(super) fn of_camera(camera: &str, path: &Path) -> anyhow::Result<Shots> {
     if is_video(path) {
         return Ok(Shots::video(camera, path));

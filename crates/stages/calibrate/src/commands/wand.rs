@@ -1,5 +1,6 @@
 //! `calibrate wand`: from pictures of a waved point to cameras.
 
+use super::footage::{check_outputs, check_points};
 use super::length::{self, Word};
 use super::shared::Lens;
 use super::wand_input::{self, Given};
@@ -25,9 +26,9 @@ pub(crate) struct Arguments {
     /// tracks-2d (.jsonl), or .csv with columns frame, camera, x, y
     #[arg(value_name = "FOLDER|FILE")]
     input: PathBuf,
-    /// Names of the images in a camera's folder
-    #[arg(long, value_name = "PATTERN", default_value = "{frame:06}.png")]
-    images: String,
+    /// Names of the images in a camera's folder [default: {frame:06}.png]
+    #[arg(long, value_name = "PATTERN")]
+    images: Option<String>,
     /// Take manifest: gives the images' sizes and transfer functions (else sRGB), and is referred to by what is written
     #[arg(long, value_name = "FILE")]
     take: Option<PathBuf>,
@@ -98,25 +99,29 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         }
         None => None,
     };
-    let outputs = [Some(&arguments.out), arguments.tracks.as_ref()];
-    run.check_outputs(&outputs.into_iter().flatten().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    check_outputs(run, &[Some(&arguments.out), arguments.tracks.as_deref()])?;
     let given = Given {
-        images: &arguments.images,
+        images: arguments.images.as_deref(),
         take: take.as_ref().map(|(take, _)| take),
         lenses: lenses.as_ref(),
         without: &arguments.without,
     };
     let sightings = wand_input::read(run, &arguments.input, &given)?;
+    for camera in &sightings.cameras {
+        let seen: Vec<_> = camera.track.iter().flatten().copied().collect();
+        check_points(run, &arguments.input, &camera.id, camera.image_size, &seen)?;
+    }
+    let reference = take.map(|(_, reference)| reference);
+    // Before the adjustment: where that fails, they tell why.
+    if let Some(path) = &arguments.tracks {
+        run.publish(vec![write_tracks(path, &sightings, reference.clone())?])?;
+    }
     let wand = run
         .timed("calibrate", || calibrate(&sightings, &params))
         .map_err(|error| told(&arguments.input, &error))?;
     report(run, &sightings, &wand);
-    let reference = take.map(|(_, reference)| reference);
-    let mut staged = vec![write_document(&arguments.out, &rig(&sightings, &wand, reference.clone()))?];
-    if let Some(path) = &arguments.tracks {
-        staged.push(write_tracks(path, &sightings, reference)?);
-    }
-    run.publish(staged)
+    tell_scale(run, &params.scale);
+    run.publish(vec![write_document(&arguments.out, &rig(&sightings, &wand, reference))?])
 }
 
 /// An error of the method, said of its input.
@@ -174,6 +179,17 @@ fn report(run: &mut Run, sightings: &Sightings, wand: &Wand) {
                 100.0 * off
             ));
         }
+    }
+}
+
+/// A scale that is unknown stays in the record.
+fn tell_scale(run: &mut Run, scale: &Scale) {
+    if *scale == Scale::Unknown {
+        run.result("scale", "unknown");
+        run.warn(
+            "the scale is not known: the cameras are set 1000 mm from the wand on average, and nothing that is measured with them \
+             is in mm; give --scale a length before markers are measured",
+        );
     }
 }
 

@@ -12,7 +12,8 @@ use std::path::Path;
 
 /// What is known beside the points.
 pub(super) struct Given<'a> {
-    pub(super) images: &'a str,
+    /// How images are named; of a folder only.
+    pub(super) images: Option<&'a str>,
     pub(super) take: Option<&'a Take>,
     pub(super) lenses: Option<&'a CameraRig>,
     pub(super) without: &'a [String],
@@ -26,6 +27,9 @@ pub(super) fn read(run: &mut Run, input: &Path, given: &Given) -> anyhow::Result
     let ending = input.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let (mut seen, sizes) = match ending.as_deref() {
         _ if input.is_dir() => from_images(run, input, given)?,
+        _ if given.images.is_some() => {
+            bail!("--images: {} is no folder of images\n  to do: leave --images out", input.display())
+        }
         Some("jsonl") => (from_tracks(run, input)?, BTreeMap::new()),
         Some("csv") => (from_table(run, input)?, BTreeMap::new()),
         _ => {
@@ -100,7 +104,8 @@ fn from_images(
     folder: &Path,
     given: &Given,
 ) -> anyhow::Result<(Seen, BTreeMap<String, [u32; 2]>)> {
-    let all: Vec<Shots> = shots::in_folder(folder, given.images)?.into_values().collect();
+    let all: Vec<Shots> =
+        shots::in_folder(folder, given.images.unwrap_or("{frame:06}.png"))?.into_values().collect();
     let mut light = BTreeMap::new();
     for shots in &all {
         light.insert(shots.camera.as_str(), transfer(&shots.camera, given)?.light_of_codes());

@@ -2,9 +2,10 @@
 
 use super::fault::{Verdict, judge};
 use super::model::Datum;
+use super::rays::{Ray, Rays, nearest};
 use super::trajectory::Trajectories;
 use super::{Evidence, Examination, Finding, Kind, Params, Sighting, lengths};
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Sightings of a camera that faults are fitted to, at most.
@@ -23,7 +24,12 @@ pub(super) fn examine(evidence: &Evidence, params: &Params, examination: &mut Ex
         examination.unchecked.push("poses, focal lengths and clocks: no points that two cameras see".into());
         return;
     }
+    examination.compared = true;
     let mut court = Court { evidence, rays, params, trusted: vec![true; evidence.patients.len()] };
+    if let Some(finding) = court.all_mirrored() {
+        examination.findings.push(finding);
+        return;
+    }
     if seeing == 2 {
         court.judge_two(examination);
     } else {
@@ -34,54 +40,6 @@ pub(super) fn examine(evidence: &Evidence, params: &Params, examination: &mut Ex
     let points = court.rays.points(&court.trusted, None);
     court.behind(&points, examination);
     lengths::examine(&evidence.lengths, &points, params, examination);
-}
-
-/// A view in world space: camera, eye, direction.
-type Ray = (usize, Point3<f64>, Vector3<f64>);
-
-/// Rays of all views.
-struct Rays {
-    /// Per sighting.
-    views: Vec<Vec<Ray>>,
-}
-
-impl Rays {
-    fn of(evidence: &Evidence) -> Self {
-        let ray = |&(c, pixel): &(usize, nalgebra::Vector2<f64>)| {
-            let camera = &evidence.patients[c].camera;
-            Some((c, camera.eye_in_world(), camera.ray_in_world(pixel)?.into_inner()))
-        };
-        let views = evidence.sightings.iter().map(|sighting| sighting.views.iter().filter_map(ray).collect());
-        Self { views: views.collect() }
-    }
-
-    fn count(&self, camera: usize) -> usize {
-        self.views.iter().filter(|views| views.len() > 1 && views.iter().any(|view| view.0 == camera)).count()
-    }
-
-    /// Per sighting the point nearest to the rays of trusted cameras, one left out; none from fewer than two.
-    fn points(&self, trusted: &[bool], without: Option<usize>) -> Vec<Option<Point3<f64>>> {
-        let place = |views: &Vec<Ray>| {
-            nearest(views.iter().filter(|view| trusted[view.0] && Some(view.0) != without))
-        };
-        self.views.iter().map(place).collect()
-    }
-}
-
-/// Rays whose normal matrix has a smaller share than this across are parallel.
-const PARALLEL: f64 = 1e-6;
-
-/// The point with the least squared distance to rays, wherever it lies along them.
-fn nearest<'a>(views: impl Iterator<Item = &'a Ray>) -> Option<Point3<f64>> {
-    let (mut normal, mut right, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0);
-    for (_, eye, direction) in views {
-        let across = Matrix3::identity() - direction * direction.transpose();
-        normal += across;
-        right += across * eye.coords;
-        count += 1;
-    }
-    let is_open = count < 2 || normal.determinant() <= PARALLEL * f64::from(count).powi(3);
-    (!is_open).then(|| normal.cholesky().map(|factor| Point3::from(factor.solve(&right))))?
 }
 
 struct Court<'a> {
@@ -167,7 +125,8 @@ impl Court<'_> {
         let verdict = |c: usize| {
             let trajectories = Trajectories::of(&self.evidence.sightings, &points[c]);
             let patient = &self.evidence.patients[c];
-            (data[c].len() >= LEAST_DATA).then(|| judge(patient, &data[c], &trajectories, noise, self.params))
+            (data[c].len() >= LEAST_DATA)
+                .then(|| judge(patient, &self.evidence.patients, &data[c], &trajectories, noise, self.params))
         };
         (0..data.len()).into_par_iter().map(verdict).collect()
     }
@@ -190,13 +149,14 @@ impl Court<'_> {
         for (c, verdict) in verdicts.into_iter().enumerate() {
             let id = &self.evidence.patients[c].id;
             let Some(verdict) = verdict else {
-                examination.unchecked.push(format!("camera {id}: it shares too few points with others"));
+                examination.unjudged.push(format!("camera {id}: {}", self.why_not(c)));
                 continue;
             };
             let report = &mut examination.cameras[c];
             report.sightings = self.rays.count(c);
             report.residual_px = Some(verdict.rms_px);
-            report.late_frames = verdict.late;
+            let is_about_time = verdict.finding.as_ref().is_none_or(|finding| finding.kind == Kind::Late);
+            report.late_frames = verdict.late.filter(|_| is_about_time);
             if verdict.late.is_none() {
                 examination.unchecked.push(format!("camera {id}, clock: no point moves enough"));
             }
@@ -206,6 +166,56 @@ impl Court<'_> {
                 None => self.trusted[c] = true,
             }
         }
+    }
+
+    /// Why a camera cannot be judged.
+    fn why_not(&self, camera: usize) -> String {
+        let shared = self.rays.count(camera);
+        let placed = self.data(camera, &self.rays.points(&self.trusted, Some(camera))).len();
+        match shared {
+            0 => "it sees no point that another camera sees".to_string(),
+            _ if shared < LEAST_DATA => {
+                format!("it shares {shared} points with other cameras; {LEAST_DATA} are needed")
+            }
+            _ => format!(
+                "of the {shared} points that it shares, two other cameras place {placed}; {LEAST_DATA} are needed: show the points \
+                 to three cameras at once"
+            ),
+        }
+    }
+
+    /// The median distance between rays over all pairs of cameras, px.
+    fn all_px(&self) -> f64 {
+        let count = self.trusted.len();
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        median(pairs.filter_map(|(a, b)| self.pair_px(a, b)).collect())
+    }
+
+    /// Cameras that were calibrated from mirrored pictures, or whose footage is, all of them: their rays meet once all images are
+    /// mirrored.
+    fn all_mirrored(&self) -> Option<Finding> {
+        let stated = self.all_px();
+        if stated < GROSS_PX {
+            return None;
+        }
+        let mut evidence = self.evidence.clone();
+        for (c, pixel) in evidence.sightings.iter_mut().flat_map(|sighting| &mut sighting.views) {
+            pixel.x = f64::from(evidence.patients[*c].camera.image_size[0]) - 1.0 - pixel.x;
+        }
+        let rays = Rays::of(&evidence);
+        let court = Court { evidence: &evidence, rays, params: self.params, trusted: self.trusted.clone() };
+        let mirrored = court.all_px();
+        (GROSS_RATIO * mirrored < stated).then(|| Finding {
+            camera: None,
+            kind: Kind::Mirrored,
+            number: mirrored,
+            unit: "px",
+            what: format!(
+                "all images are mirrored against the calibration: rays miss each other by {stated:.1} px in the median, of mirrored \
+                 images by {mirrored:.1} px"
+            ),
+            advice: "calibrate with pictures that are mirrored as the footage is, best neither",
+        })
     }
 
     /// Of two cameras nobody can say which is wrong.

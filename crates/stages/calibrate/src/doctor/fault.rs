@@ -40,6 +40,7 @@ const NOISE_FLOOR_PX: f64 = 0.1;
 /// Judges a camera by points that others placed. `noise_px`: how far off cameras are that have no fault.
 pub(super) fn judge(
     patient: &Patient,
+    all: &[Patient],
     data: &[Datum],
     trajectories: &Trajectories,
     noise_px: f64,
@@ -54,6 +55,7 @@ pub(super) fn judge(
     explanations.extend(lateness.map(Lateness::explanation));
     explanations.extend(zoomed(camera, data));
     explanations.extend(mirrored(camera, data));
+    explanations.extend(exchanged(patient, all, data));
     explanations.extend(turned(camera, data));
     explanations.extend(moved(camera, data));
     let best = explanations.iter().map(|one| one.rms_px).fold(rms_px, f64::min);
@@ -120,6 +122,17 @@ fn mirrored(camera: &Camera, data: &[Datum]) -> Vec<Explanation> {
         })
     };
     ways.into_iter().filter_map(explain).collect()
+}
+
+/// Another camera's calibration, if it does better.
+fn exchanged(patient: &Patient, all: &[Patient], data: &[Datum]) -> Option<Explanation> {
+    let is_like =
+        |other: &&Patient| other.id != patient.id && other.camera.image_size == patient.camera.image_size;
+    let error = |other: &'_ Patient| (rms(&other.camera, data), other.id.clone());
+    let best = all.iter().filter(is_like).map(error).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (rms_px, id) = best?;
+    let what = format!("its images are those of the camera that is calibrated as {id}");
+    Some(Explanation { rms_px, is_sure: false, kind: Kind::Exchanged, number: rms_px, unit: "px", what })
 }
 
 /// Between the pose that fits and the one that is stated: the turn.

@@ -22,6 +22,8 @@ pub enum Kind {
     Behind,
     /// The images are mirrored or stand on their head.
     Mirrored,
+    /// The images are another camera's.
+    Exchanged,
     /// The pose is the other one of the two that a flat board allows.
     Flipped,
     /// The camera is turned.
@@ -64,7 +66,7 @@ pub struct CameraReport {
     pub sightings: usize,
     /// Root mean square distance from where the others say the points are, the worst tenth left out, px.
     pub residual_px: Option<f64>,
-    /// How late its images come, frames; none where nothing moves.
+    /// How late its images come, frames; none where nothing moves, or another fault would pass for lateness.
     pub late_frames: Option<f64>,
     /// Share of the image within the hull of what it saw.
     pub coverage: Option<f64>,
@@ -79,6 +81,10 @@ pub struct Examination {
     pub cameras: Vec<CameraReport>,
     /// Known lengths, all together: measured over stated, the mean.
     pub length_ratio: Option<f64>,
+    /// Whether cameras were held against each other: there are points that two of them see.
+    pub compared: bool,
+    /// Cameras that the others could not judge, and why.
+    pub unjudged: Vec<String>,
     /// What was not checked, and why.
     pub unchecked: Vec<String>,
 }
@@ -97,6 +103,7 @@ impl Kind {
             Self::Coverage => "calibrate with the board or the wand in all parts of the image",
             Self::Behind => "calibrate this camera's pose again",
             Self::Mirrored => "switch off mirroring in the camera or its recorder, or flip the footage",
+            Self::Exchanged => "give the cameras' calibrations or their footage each other's names",
             Self::Flipped => "calibrate its pose from more, and more tilted, views of the board",
             Self::Turned | Self::Moved => {
                 "calibrate its pose again; fix the camera: it was touched after the calibration, or during it"
@@ -104,7 +111,9 @@ impl Kind {
             Self::Zoomed => {
                 "calibrate its lens again with the zoom and the focus of the footage, and tape them"
             }
-            Self::Late => "run capture-sync check; shift its frames by that number",
+            Self::Late => {
+                "run capture-sync check; shift its frames by that number, or track it from images in step"
+            }
             Self::Unexplained => "look at its footage: other faults than these, or several at once",
             Self::Length => "check the size of the board's squares or the stated length",
         }

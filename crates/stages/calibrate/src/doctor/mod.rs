@@ -16,6 +16,7 @@ mod lengths;
 mod lens;
 mod model;
 mod numbering;
+mod rays;
 mod trajectory;
 
 pub use finding::{CameraReport, Examination, Finding, Kind};

@@ -26,6 +26,14 @@ pub enum Error {
     /// A camera that does not fit with the others.
     #[error("camera {0}: what it sees does not fit with what the others see at the same time")]
     Apart(String),
+    /// Most sightings fit with nothing.
+    #[error("{rejected} of {seen} sightings fit with nothing that other cameras see at the same time")]
+    Rejected {
+        /// How many were taken out.
+        rejected: usize,
+        /// Of how many.
+        seen: usize,
+    },
     /// Cameras that see the world as in a mirror.
     #[error("camera {}: its images are mirrored", .0.join(", "))]
     Mirrored(Vec<String>),
@@ -42,6 +50,17 @@ pub enum Error {
         length: super::Length,
         /// What is wrong.
         what: String,
+    },
+    /// Known lengths that no scale fits.
+    #[error(
+        "the known lengths contradict each other: {} comes out as {mm:.2} mm beside the others, {:+.1} % off; {:.0} % are let pass",
+        named(.length), 100.0 * (mm / length.mm - 1.0), 100.0 * super::scale::LENGTHS_AGREE
+    )]
+    Contradiction {
+        /// The length that is furthest off.
+        length: super::Length,
+        /// What it is at the scale that fits all best, mm.
+        mm: f64,
     },
     /// A parameter outside its range.
     #[error("{name} is {value}, which is out of range")]
@@ -66,6 +85,11 @@ impl Error {
             Self::Mirrored(_) => "switch off mirroring in the camera or its recorder, or flip the images",
             Self::NoMetric => {
                 "wave the point through more of the images and the depth, or give approximate lenses"
+            }
+            Self::Contradiction { .. } => "measure the lengths again, and give those that are sure",
+            Self::Bundle(_) | Self::Rejected { .. } => {
+                "check that images of equal number were taken at the same time in all cameras: write --tracks and ask the doctor \
+                 with an older calibration, or leave out cameras with --without until the others fit"
             }
             _ => return None,
         })

@@ -31,6 +31,8 @@ use crate::bundle::{Focal, Free};
 use artifact::CameraDeviation;
 use camera::{Camera, Lens};
 use nalgebra::{Point3, Vector2};
+use polish::State;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Per frame where a camera sees the point, px; none where it does not.
@@ -122,9 +124,55 @@ pub struct Wand {
 /// not there.
 pub fn calibrate(sightings: &Sightings, params: &Params) -> Result<Wand, Error> {
     check(sightings, params)?;
+    match placed(sightings, params) {
+        Ok(state) => scale::scaled(sightings, state, &params.scale),
+        Err(error @ (Error::Bundle(_) | Error::NoMetric | Error::NoPair | Error::Rejected { .. })) => {
+            Err(odd_one(sightings, params).map_or(error, Error::Apart))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Cameras and points, of no certain scale.
+fn placed(sightings: &Sightings, params: &Params) -> Result<State, Error> {
     let candidates = start::candidates(sightings, params)?;
     let state = polish::best(sightings, candidates, params)?;
-    scale::scaled(sightings, state, &params.scale)
+    let pairs =
+        sightings.cameras.iter().zip(&state.kept).flat_map(|(camera, kept)| camera.track.iter().zip(kept));
+    let (mut seen, mut kept) = (0, 0);
+    for (_, is_kept) in pairs.filter(|(seen, _)| seen.is_some()) {
+        seen += 1;
+        kept += usize::from(*is_kept);
+    }
+    match 2 * kept < seen {
+        true => Err(Error::Rejected { rejected: seen - kept, seen }),
+        false => Ok(state),
+    }
+}
+
+/// Cameras that must stay when one is left out to see whether it is at fault.
+const FEWEST_OTHERS: usize = 3;
+/// The others must fit so many times better without it than without any other.
+const CLEARLY: f64 = 2.0;
+
+/// The one camera without which the others fit.
+fn odd_one(sightings: &Sightings, params: &Params) -> Option<String> {
+    let count = sightings.cameras.len();
+    let without = |c: usize| {
+        let mut others = sightings.clone();
+        let left_out = others.cameras.remove(c);
+        let state = placed(&others, params).ok()?;
+        let rms = state.rms_px.iter().copied().fold(0.0, f64::max);
+        Some((rms, left_out.id))
+    };
+    let enough = (count > FEWEST_OTHERS).then_some(count)?;
+    let mut fits: Vec<(f64, String)> = (0..enough).into_par_iter().filter_map(without).collect();
+    fits.sort_by(|a, b| a.0.total_cmp(&b.0));
+    match fits.as_slice() {
+        [(_, id)] => Some(id.clone()),
+        [(best, id), (next, _), ..] if CLEARLY * best < *next => Some(id.clone()),
+        _ => None,
+    }
 }
 
 /// Frames in which a camera must see the point.

@@ -46,12 +46,19 @@ pub struct Measured {
     pub mm: f64,
 }
 
+/// As a user states it.
+impl std::fmt::Display for Ends {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Frames(a, b) => write!(f, "{a}:{b}"),
+            Self::Cameras(a, b) => write!(f, "{a}:{b}"),
+        }
+    }
+}
+
 /// A length as a user states it.
 pub(super) fn named(length: &Length) -> String {
-    match &length.ends {
-        Ends::Frames(a, b) => format!("{a}:{b}={}", length.mm),
-        Ends::Cameras(a, b) => format!("{a}:{b}={}", length.mm),
-    }
+    format!("{}={}", length.ends, length.mm)
 }
 
 /// Distance of the cameras from the wand where nothing is known, mm.
@@ -73,6 +80,7 @@ pub(super) fn scaled(sightings: &Sightings, mut state: State, scale: &Scale) -> 
         }
     };
     lengths.iter_mut().for_each(|one| one.mm *= factor);
+    agree(&lengths)?;
     state.scale(factor);
     let world_from_first = state.cameras[0].cam_from_world;
     state.cameras.iter_mut().for_each(|camera| camera.cam_from_world *= world_from_first.inverse());
@@ -96,6 +104,20 @@ pub(super) fn scaled(sightings: &Sightings, mut state: State, scale: &Scale) -> 
         points: state.points,
         lengths,
     })
+}
+
+/// How far off the others a known length may come out, as a share: more is no error of measuring with a rule.
+pub(super) const LENGTHS_AGREE: f64 = 0.02;
+
+/// Refuses lengths that no scale fits.
+fn agree(lengths: &[Measured]) -> Result<(), Error> {
+    let off = |one: &Measured| (one.mm / one.length.mm - 1.0).abs();
+    match lengths.iter().max_by(|a, b| off(a).total_cmp(&off(b))) {
+        Some(worst) if off(worst) > LENGTHS_AGREE => {
+            Err(Error::Contradiction { length: worst.length.clone(), mm: worst.mm })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A length in the reconstruction, before scaling.
