@@ -13,9 +13,6 @@ pub enum Error {
         /// What would do.
         allowed: &'static str,
     },
-    /// An unknown transfer function.
-    #[error("the transfer function '{0}' is not known\n  to do: say srgb, rec709, linear or gamma G")]
-    Transfer(String),
     /// Values that make no picture.
     #[error("{values} values make no picture of {} × {} pixels", .size[0], .size[1])]
     Pixels {

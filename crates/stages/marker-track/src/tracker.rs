@@ -11,7 +11,7 @@ use crate::picture::Picture;
 use crate::predict::MotionField;
 use crate::track::{Prediction, Track};
 use crate::{Error, Params};
-use artifact::{Sample2d, TrackState};
+use artifact::{Sample2d, TrackState, Transfer};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 
@@ -62,13 +62,13 @@ impl Stray {
 
 impl Tracker {
     /// Starts at the labelled image. `markers` are the ids in the order of the samples; `labels` holds the place of each that is
-    /// labelled, px; `transfer` names the transfer function of the images' codes.
+    /// labelled, px; `transfer` is the transfer function of the images' codes.
     ///
     /// # Errors
     /// Labels outside the image or on no dot; those of [`Paint::learn`].
     pub fn start(
         picture: &Picture,
-        transfer: &str,
+        transfer: Transfer,
         markers: &[String],
         labels: &BTreeMap<String, [f64; 2]>,
         params: &Params,

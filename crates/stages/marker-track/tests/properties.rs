@@ -4,7 +4,7 @@
 
 mod scene;
 
-use artifact::{Sample2d, TrackState, Tracks2dFrame};
+use artifact::{Sample2d, TrackState, Tracks2dFrame, Transfer};
 use marker_track::{Error, Hint, Params, Picture, Tracker, detect, name_strays};
 use nalgebra::Point2;
 use scene::{Dot, Look, SIZE, SKIN, draw, draw_on, grid, labels, names};
@@ -15,7 +15,7 @@ fn picture(rgb: &[u8]) -> Picture<'_> {
 
 fn start(dots: &[Dot], look: Look) -> Tracker {
     let image = draw(dots, look);
-    Tracker::start(&picture(&image), "srgb", &names(dots), &labels(dots), &Params::default()).unwrap()
+    Tracker::start(&picture(&image), Transfer::Srgb, &names(dots), &labels(dots), &Params::default()).unwrap()
 }
 
 fn off(sample: &Option<Sample2d>, dot: &Dot) -> f64 {
@@ -67,7 +67,7 @@ fn what_a_dot_lies_on_does_not_shift_it() {
     let dots = grid();
     let image = draw_on(&dots, Look::default(), ground);
     let tracker =
-        Tracker::start(&picture(&image), "srgb", &names(&dots), &labels(&dots), &Params::default()).unwrap();
+        Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &labels(&dots), &Params::default()).unwrap();
     for (sample, dot) in tracker.samples().iter().zip(&dots) {
         assert!(off(sample, dot) < 0.12, "{dot:?} {}", off(sample, dot));
     }
@@ -98,7 +98,7 @@ fn a_dot_without_a_label_is_nobodys() {
     let mut few = labels(&dots);
     few.remove("d06");
     let mut tracker =
-        Tracker::start(&picture(&image), "srgb", &names(&dots), &few, &Params::default()).unwrap();
+        Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &few, &Params::default()).unwrap();
     assert_eq!(tracker.strays().len(), 1);
     for step in 1..6u64 {
         let mut shown = dots.clone();
@@ -228,7 +228,7 @@ fn the_guide_names_a_marker_that_was_never_labelled() {
     let mut known = labels(&dots);
     known.remove("d03");
     let mut tracker =
-        Tracker::start(&picture(&image), "srgb", &names(&dots), &known, &Params::default()).unwrap();
+        Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &known, &Params::default()).unwrap();
     assert!(tracker.samples()[3].is_none());
     assert!(tracker.step(&picture(&image), 1.0, None).unwrap()[3].is_none());
     let near = [dots[3].at[0] + 1.0, dots[3].at[1] - 0.5];
@@ -265,7 +265,7 @@ fn bad_labels_are_refused_by_name() {
     let attempt = |at: [f64; 2]| {
         let mut known = labels(&dots);
         known.insert("d07".into(), at);
-        Tracker::start(&picture(&image), "srgb", &names(&dots), &known, &Params::default())
+        Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &known, &Params::default())
     };
     assert!(matches!(attempt([500.0, 3.0]), Err(Error::Outside { marker, .. }) if marker == "d07"));
     match attempt([dots[7].at[0] - 14.0, dots[7].at[1]]) {
@@ -276,7 +276,7 @@ fn bad_labels_are_refused_by_name() {
         other => panic!("{other:?}"),
     }
     let blank = draw(&[], Look::default());
-    let nothing = Tracker::start(&picture(&blank), "srgb", &names(&dots), &labels(&dots), &Params::default());
+    let nothing = Tracker::start(&picture(&blank), Transfer::Srgb, &names(&dots), &labels(&dots), &Params::default());
     assert_eq!(nothing.err(), Some(Error::NoContrast));
     let small = vec![0; 3 * 20 * 20];
     let wrong = start(&dots, Look::default()).step(&Picture::new(20, 20, &small).unwrap(), 1.0, None);

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 use artifact::picture::{Rgb, read_rgb};
-use artifact::{FrameReader, Frames, Rate, SyncFrame, Take, TakeRef, TimeBase};
+use artifact::{FrameReader, Frames, Rate, SyncFrame, Take, TakeRef, TimeBase, Transfer};
 use marker_track::Picture;
 use stage::Run;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub(crate) struct Source {
 
 /// A camera's images.
 pub(crate) struct CameraImages {
-    pub(crate) transfer: String,
+    pub(crate) transfer: Transfer,
     pub(crate) size: [u32; 2],
     /// Per frame of the footage its image, where there is one.
     pub(crate) paths: Vec<Option<PathBuf>>,
@@ -92,6 +92,10 @@ impl Footage {
         &self.path
     }
 
+    fn transfer(&self, id: &str, name: &str) -> anyhow::Result<Transfer> {
+        name.parse().with_context(|| format!("{}, camera {id}", self.path.display()))
+    }
+
     /// The images of a camera.
     pub(crate) fn camera(&self, id: &str) -> anyhow::Result<CameraImages> {
         let unknown = || {
@@ -108,7 +112,7 @@ impl Footage {
                     camera.image(frame.frame).filter(|_| fresh).map(|name| self.folder.join(name))
                 };
                 Ok(CameraImages {
-                    transfer: camera.transfer.clone(),
+                    transfer: self.transfer(id, &camera.transfer)?,
                     size: camera.image_size,
                     paths: self.frames.iter().map(path).collect(),
                 })
@@ -126,7 +130,7 @@ impl Footage {
                     footage.image(shown.index).map(|name| self.folder.join(name))
                 };
                 Ok(CameraImages {
-                    transfer: camera.transfer.clone(),
+                    transfer: self.transfer(id, &camera.transfer)?,
                     size: camera.image_size,
                     paths: self.frames.iter().map(path).collect(),
                 })

@@ -143,7 +143,7 @@ fn start(
             );
         };
         let image = Image::read(path, images.size)?;
-        let tracker = Tracker::start(&image.picture()?, &images.transfer, markers, places, params)
+        let tracker = Tracker::start(&image.picture()?, images.transfer, markers, places, params)
             .map_err(|error| anyhow::anyhow!("{file}, camera {id}: {error}"))?;
         let mut samples = vec![None; images.paths.len()];
         samples[first] = Some(tracker.samples());
