@@ -25,6 +25,10 @@ const WORST_PX: f64 = 1.5;
 const REACH_PX: f64 = 2.0;
 /// … if no dot nor other marker is nearer than this many times that distance.
 const ALONE: f64 = 2.0;
+/// … and no other missing marker is expected this near by the tracker itself, px,
+const EXPECTED_PX: f64 = 4.0;
+/// … in so many images in a row: what lies before a hidden marker by chance soon moves off.
+const AGREEING: usize = 5;
 /// Points less sure than this teach nothing and place nothing.
 const SURE: f64 = 0.5;
 /// A name from other cameras is less sure than one from a label.
@@ -46,27 +50,31 @@ pub fn name_strays(frames: &mut [Tracks2dFrame], strays: &Strays) -> usize {
             }
         }
     }
-    let mut named = 0;
-    for (frame, strays) in frames.iter_mut().zip(strays) {
+    let mut found: BTreeMap<[usize; 2], Vec<(usize, [f64; 2])>> = BTreeMap::new();
+    for (index, (frame, strays)) in frames.iter().zip(strays).enumerate() {
         for (camera, strays) in strays.iter().enumerate().filter(|(_, strays)| !strays.is_empty()) {
-            named += name_in(frame, camera, cameras, strays, &models);
+            for (marker, dot) in claims(frame, camera, cameras, strays, &models) {
+                found.entry([camera, marker]).or_default().push((index, dot));
+            }
         }
     }
-    named
+    found.iter().map(|([camera, marker], dots)| keep_runs(frames, *camera, *marker, dots)).sum()
 }
 
 type Models = BTreeMap<[usize; 3], Option<Model>>;
 
-fn name_in(
-    frame: &mut Tracks2dFrame,
+/// Strays of an image that lie where a missing marker must be: the marker and the dot.
+fn claims(
+    frame: &Tracks2dFrame,
     camera: usize,
     cameras: usize,
     strays: &[[f64; 2]],
     models: &Models,
-) -> usize {
-    let places: Vec<(usize, [f64; 2])> = missing(frame, camera)
-        .into_iter()
-        .filter_map(|marker| Some((marker, place(frame, camera, marker, cameras, models)?)))
+) -> Vec<(usize, [f64; 2])> {
+    let missing = missing(frame, camera);
+    let places: Vec<(usize, [f64; 2])> = missing
+        .iter()
+        .filter_map(|&marker| Some((marker, place(frame, camera, marker, cameras, models)?)))
         .collect();
     let mut found = Vec::new();
     for &(marker, at) in &places {
@@ -76,16 +84,44 @@ fn name_in(
         let next = near.get(1).map_or(f64::INFINITY, |(off, _)| *off);
         let rivals = places.iter().filter(|(other, _)| *other != marker).map(|(_, other)| apart(*other, dot));
         let rival = rivals.fold(f64::INFINITY, f64::min);
-        if next.min(rival) > ALONE * off {
+        let expected = expected(frame, camera, &missing, marker, dot);
+        if next.min(rival) > ALONE * off && expected > EXPECTED_PX {
             found.push((marker, dot));
         }
     }
-    let Some(samples) = frame.cameras[camera].as_mut() else { return 0 };
-    for &(marker, dot) in &found {
-        let at = Point2::from(dot);
-        samples[marker] = Some(Sample2d { at, state: TrackState::Seen, confidence: CONFIDENCE });
+    found
+}
+
+/// From a dot to the nearest place where the tracker itself expects another marker that it does not see, px.
+fn expected(frame: &Tracks2dFrame, camera: usize, missing: &[usize], marker: usize, dot: [f64; 2]) -> f64 {
+    let samples = frame.cameras[camera].as_deref().unwrap_or_default();
+    let others = missing.iter().filter(|other| **other != marker);
+    others
+        .filter_map(|&other| samples[other])
+        .map(|sample| apart(sample.at.into(), dot))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Names a marker's dots where it has one in enough images in a row; returns how many.
+fn keep_runs(
+    frames: &mut [Tracks2dFrame],
+    camera: usize,
+    marker: usize,
+    dots: &[(usize, [f64; 2])],
+) -> usize {
+    let has_image = |index: &usize| frames[*index].cameras[camera].is_some();
+    let images: Vec<usize> = (0..frames.len()).filter(has_image).collect();
+    let order = |index: usize| images.partition_point(|&image| image < index);
+    let runs = dots.chunk_by(|a, b| order(b.0) == order(a.0) + 1);
+    let long = runs.filter(|run| run.len() >= AGREEING.min(images.len())).flatten();
+    let kept: Vec<(usize, [f64; 2])> = long.copied().collect();
+    for &(index, dot) in &kept {
+        if let Some(samples) = frames[index].cameras[camera].as_mut() {
+            let at = Point2::from(dot);
+            samples[marker] = Some(Sample2d { at, state: TrackState::Seen, confidence: CONFIDENCE });
+        }
     }
-    found.len()
+    kept.len()
 }
 
 /// Markers that are not seen in a camera.

@@ -67,7 +67,8 @@ fn what_a_dot_lies_on_does_not_shift_it() {
     let dots = grid();
     let image = draw_on(&dots, Look::default(), ground);
     let tracker =
-        Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &labels(&dots), &Params::default()).unwrap();
+        Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &labels(&dots), &Params::default())
+            .unwrap();
     for (sample, dot) in tracker.samples().iter().zip(&dots) {
         assert!(off(sample, dot) < 0.12, "{dot:?} {}", off(sample, dot));
     }
@@ -267,16 +268,25 @@ fn bad_labels_are_refused_by_name() {
         known.insert("d07".into(), at);
         Tracker::start(&picture(&image), Transfer::Srgb, &names(&dots), &known, &Params::default())
     };
-    assert!(matches!(attempt([500.0, 3.0]), Err(Error::Outside { marker, .. }) if marker == "d07"));
-    match attempt([dots[7].at[0] - 14.0, dots[7].at[1]]) {
-        Err(Error::NoBlob { marker, nearest: Some(nearest), .. }) => {
+    let fault = |at: [f64; 2]| match attempt(at).unwrap().label_faults() {
+        [fault] => fault.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert!(matches!(fault([500.0, 3.0]), Error::Outside { marker, .. } if marker == "d07"));
+    match fault([dots[7].at[0] - 14.0, dots[7].at[1]]) {
+        Error::NoBlob { marker, nearest: Some(nearest), .. } => {
             assert_eq!(marker, "d07");
             assert!((nearest[0] - dots[7].at[0]).abs() < 1.0, "{nearest:?}");
         }
         other => panic!("{other:?}"),
     }
+    match fault([dots[6].at[0] + 1.5, dots[6].at[1]]) {
+        Error::SameDot { marker, other, .. } => assert_eq!((marker.as_str(), other.as_str()), ("d07", "d06")),
+        other => panic!("{other:?}"),
+    }
     let blank = draw(&[], Look::default());
-    let nothing = Tracker::start(&picture(&blank), Transfer::Srgb, &names(&dots), &labels(&dots), &Params::default());
+    let nothing =
+        Tracker::start(&picture(&blank), Transfer::Srgb, &names(&dots), &labels(&dots), &Params::default());
     assert_eq!(nothing.err(), Some(Error::NoContrast));
     let small = vec![0; 3 * 20 * 20];
     let wrong = start(&dots, Look::default()).step(&Picture::new(20, 20, &small).unwrap(), 1.0, None);
