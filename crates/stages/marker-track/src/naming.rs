@@ -25,10 +25,10 @@ const WORST_PX: f64 = 1.5;
 const REACH_PX: f64 = 2.0;
 /// … if no dot nor other marker is nearer than this many times that distance.
 const ALONE: f64 = 2.0;
-/// … and no other missing marker is expected this near by the tracker itself, px,
-const EXPECTED_PX: f64 = 4.0;
-/// … in so many images in a row: what lies before a hidden marker by chance soon moves off.
-const AGREEING: usize = 5;
+/// … in at least so many of the images from so many before to as many after: what lies before a hidden marker by chance soon
+/// moves off.
+const AGREEING: usize = 4;
+const AROUND: usize = 3;
 /// Points less sure than this teach nothing and place nothing.
 const SURE: f64 = 0.5;
 /// A name from other cameras is less sure than one from a label.
@@ -58,7 +58,7 @@ pub fn name_strays(frames: &mut [Tracks2dFrame], strays: &Strays) -> usize {
             }
         }
     }
-    found.iter().map(|([camera, marker], dots)| keep_runs(frames, *camera, *marker, dots)).sum()
+    found.iter().map(|([camera, marker], dots)| keep_agreeing(frames, *camera, *marker, dots)).sum()
 }
 
 type Models = BTreeMap<[usize; 3], Option<Model>>;
@@ -71,10 +71,9 @@ fn claims(
     strays: &[[f64; 2]],
     models: &Models,
 ) -> Vec<(usize, [f64; 2])> {
-    let missing = missing(frame, camera);
-    let places: Vec<(usize, [f64; 2])> = missing
-        .iter()
-        .filter_map(|&marker| Some((marker, place(frame, camera, marker, cameras, models)?)))
+    let places: Vec<(usize, [f64; 2])> = missing(frame, camera)
+        .into_iter()
+        .filter_map(|marker| Some((marker, place(frame, camera, marker, cameras, models)?)))
         .collect();
     let mut found = Vec::new();
     for &(marker, at) in &places {
@@ -84,26 +83,15 @@ fn claims(
         let next = near.get(1).map_or(f64::INFINITY, |(off, _)| *off);
         let rivals = places.iter().filter(|(other, _)| *other != marker).map(|(_, other)| apart(*other, dot));
         let rival = rivals.fold(f64::INFINITY, f64::min);
-        let expected = expected(frame, camera, &missing, marker, dot);
-        if next.min(rival) > ALONE * off && expected > EXPECTED_PX {
+        if next.min(rival) > ALONE * off {
             found.push((marker, dot));
         }
     }
     found
 }
 
-/// From a dot to the nearest place where the tracker itself expects another marker that it does not see, px.
-fn expected(frame: &Tracks2dFrame, camera: usize, missing: &[usize], marker: usize, dot: [f64; 2]) -> f64 {
-    let samples = frame.cameras[camera].as_deref().unwrap_or_default();
-    let others = missing.iter().filter(|other| **other != marker);
-    others
-        .filter_map(|&other| samples[other])
-        .map(|sample| apart(sample.at.into(), dot))
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// Names a marker's dots where it has one in enough images in a row; returns how many.
-fn keep_runs(
+/// Names a marker's dots where it has one in enough of the images around; returns how many.
+fn keep_agreeing(
     frames: &mut [Tracks2dFrame],
     camera: usize,
     marker: usize,
@@ -111,10 +99,12 @@ fn keep_runs(
 ) -> usize {
     let has_image = |index: &usize| frames[*index].cameras[camera].is_some();
     let images: Vec<usize> = (0..frames.len()).filter(has_image).collect();
-    let order = |index: usize| images.partition_point(|&image| image < index);
-    let runs = dots.chunk_by(|a, b| order(b.0) == order(a.0) + 1);
-    let long = runs.filter(|run| run.len() >= AGREEING.min(images.len())).flatten();
-    let kept: Vec<(usize, [f64; 2])> = long.copied().collect();
+    let places: Vec<usize> =
+        dots.iter().map(|(index, _)| images.partition_point(|image| image < index)).collect();
+    let agreeing = |at: usize| places.iter().filter(|place| place.abs_diff(at) <= AROUND).count();
+    let enough = AGREEING.min(images.len());
+    let kept = dots.iter().zip(&places).filter(|(_, at)| agreeing(**at) >= enough);
+    let kept: Vec<(usize, [f64; 2])> = kept.map(|(dot, _)| *dot).collect();
     for &(index, dot) in &kept {
         if let Some(samples) = frames[index].cameras[camera].as_mut() {
             let at = Point2::from(dot);

@@ -139,6 +139,10 @@ fn a_dot_without_a_label_gets_its_name_from_two_other_cameras() {
         // The one is a dot without a name; of the other nothing is seen, but something lies 8 px from it.
         let [x, y] = seen(2, index, 9);
         strays[index][2] = vec![seen(2, index, 7), [x + 8.0, y]];
+        // A dot of another marker comes by.
+        if (6..9).contains(&index) {
+            strays[index][2][1] = [x + 0.3, y];
+        }
     }
     assert_eq!(name_strays(&mut frames, &strays), 20);
     for (index, frame) in frames.iter().enumerate() {
