@@ -98,6 +98,20 @@ fn bad_tracks_are_refused_with_their_place() {
     );
     plant(&text);
     refused(path, &["--c3d", "out/t.bin"], &["out/t.bin", ".c3d"]);
+    let mut command = Command::cargo_bin("triangulate").unwrap();
+    command.current_dir(path).args([
+        "--cameras",
+        "cameras.json",
+        "--tracks",
+        "tracks.jsonl",
+        "--out",
+        "t.C3D",
+    ]);
+    let output = command.output().unwrap();
+    assert!(output.status.code() == Some(1) && !path.join("t.C3D").exists());
+    assert!(
+        String::from_utf8_lossy(&output.stderr).contains("t.C3D: --out writes trajectories-3d as JSON Lines")
+    );
 }
 
 #[test]
