@@ -30,11 +30,12 @@ pub struct Edits {
 }
 
 impl Edits {
-    /// Reads a list; ids are those of the tracks' header.
+    /// Reads a list; ids are those of the tracks' header, `sizes` the widths and heights of its cameras' images, px.
     ///
     /// # Errors
-    /// [`Error::Edit`] with the line: an unknown word, camera or marker, or too few or too many words.
-    pub fn parse(text: &str, header: &Tracks2dHeader) -> Result<Self, Error> {
+    /// [`Error::Edit`] with the line: an unknown word, camera or marker, too few or too many words, a place outside the image, a
+    /// marker that would change names with itself.
+    pub fn parse(text: &str, header: &Tracks2dHeader, sizes: &[[u32; 2]]) -> Result<Self, Error> {
         let mut edits = Vec::new();
         for (index, line) in text.lines().enumerate() {
             let line_number = index + 1;
@@ -42,7 +43,7 @@ impl Edits {
             if words.is_empty() {
                 continue;
             }
-            match read(&words, header) {
+            match read(&words, header).and_then(|edit| edit.check(sizes)) {
                 Ok(edit) => edits.push((line_number, edit)),
                 Err(what) => return Err(Error::Edit { line: line_number, what }),
             }
@@ -112,6 +113,26 @@ fn edited(at: Point2<f64>) -> Sample2d {
 }
 
 impl Edit {
+    /// Refuses what cannot be meant.
+    fn check(self, sizes: &[[u32; 2]]) -> Result<Self, String> {
+        match self {
+            Self::Relabel { markers: [a, b], .. } if a == b => {
+                Err("the marker would change names with itself; name two markers".into())
+            }
+            Self::Place { camera, at, .. } => {
+                let [width, height] = sizes[camera];
+                let on = |x: f64, side: u32| (-0.5..f64::from(side) - 0.5).contains(&x);
+                match on(at.x, width) && on(at.y, height) {
+                    true => Ok(self),
+                    false => Err(format!(
+                        "the place lies outside the image of {width} × {height} px; give the marker's place in pixels"
+                    )),
+                }
+            }
+            _ => Ok(self),
+        }
+    }
+
     fn apply(&self, frames: &mut [Tracks2dFrame]) -> Result<(), String> {
         match *self {
             Self::Relabel { frame, camera, markers: [a, b] } => {
@@ -140,9 +161,13 @@ fn later(
     frames: &mut [Tracks2dFrame],
     from: i64,
 ) -> Result<impl Iterator<Item = &mut Tracks2dFrame>, String> {
-    match frames.last() {
-        Some(last) if last.frame >= from => Ok(frames.iter_mut().filter(move |f| f.frame >= from)),
-        _ => Err(format!("the tracks end before frame {from}")),
+    match (frames.first(), frames.last()) {
+        (Some(first), _) if first.frame > from => Err(format!(
+            "the tracks begin with frame {}, after frame {from}; name the frame where it begins",
+            first.frame
+        )),
+        (_, Some(last)) if last.frame >= from => Ok(frames.iter_mut().filter(move |f| f.frame >= from)),
+        _ => Err(format!("the tracks end before frame {from}; name one of their frames")),
     }
 }
 
@@ -171,6 +196,8 @@ fn fill(frames: &mut [Tracks2dFrame], range: FrameRange, camera: usize, marker: 
 mod tests {
     use super::*;
 
+    const SIZES: [[u32; 2]; 1] = [[200, 100]];
+
     fn header() -> Tracks2dHeader {
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
         Tracks2dHeader { cameras: names(&["m1"]), markers: names(&["a", "b"]), rate: None, take: None }
@@ -192,14 +219,14 @@ mod tests {
     #[test]
     fn edits_are_replayed_in_their_order() {
         let text = "# a day's work\nrelabel 1003 m1 a b\n\nsplit 1005 m1 b\nfill 1002 m1 a 7.5 1\nfill 1003-1004 m1 b # gap\n";
-        let edits = Edits::parse(text, &header()).unwrap();
+        let edits = Edits::parse(text, &header(), &SIZES).unwrap();
         assert_eq!(edits.count(), 4);
         let mut tracks = frames();
         assert!(edits.apply(&mut tracks).is_err(), "b has no end after the gap");
-        let edits = Edits::parse(&text.replace("split 1005", "split 1001"), &header()).unwrap();
+        let edits = Edits::parse(&text.replace("split 1005", "split 1001"), &header(), &SIZES).unwrap();
         assert!(matches!(edits.apply(&mut frames()), Err(Error::Edit { line: 6, .. })));
         let mut tracks = frames();
-        Edits::parse("relabel 1003 m1 a b\nfill 1002 m1 a 7.5 1\nsplit 1005 m1 b", &header())
+        Edits::parse("relabel 1003 m1 a b\nfill 1002 m1 a 7.5 1\nsplit 1005 m1 b", &header(), &SIZES)
             .unwrap()
             .apply(&mut tracks)
             .unwrap();
@@ -207,7 +234,7 @@ mod tests {
         assert_eq!(at(&tracks, 2, 0), Some((102.0, TrackState::Seen)));
         assert_eq!(at(&tracks, 4, 1), None);
         let mut tracks = frames();
-        Edits::parse("fill 1002-1004 m1 a", &header()).unwrap().apply(&mut tracks).unwrap();
+        Edits::parse("fill 1002-1004 m1 a", &header(), &SIZES).unwrap().apply(&mut tracks).unwrap();
         assert_eq!(at(&tracks, 2, 0), Some((2.0, TrackState::Edited)));
     }
 
@@ -220,8 +247,10 @@ mod tests {
             ("fill x m1 a 1 2", 1, "'x'"),
             ("fill 1003 m1 a 1", 1, "fill FRAME"),
             ("fill 1003 m1 a nan 2", 1, "'nan'"),
+            ("fill 1003 m1 a 5000 1", 1, "200 × 100"),
+            ("relabel 1003 m1 a a", 1, "itself"),
         ] {
-            match Edits::parse(text, &header()) {
+            match Edits::parse(text, &header(), &SIZES) {
                 Err(Error::Edit { line: found, what }) => {
                     assert_eq!(found, line, "{text}");
                     assert!(what.contains(word), "{text}: {what}");
@@ -229,7 +258,9 @@ mod tests {
                 other => panic!("{text}: {other:?}"),
             }
         }
-        let late = Edits::parse("split 1009 m1 a", &header()).unwrap().apply(&mut frames());
-        assert!(matches!(late, Err(Error::Edit { line: 1, .. })));
+        for beyond in ["split 1009 m1 a", "relabel 5 m1 a b"] {
+            let replayed = Edits::parse(beyond, &header(), &SIZES).unwrap().apply(&mut frames());
+            assert!(matches!(replayed, Err(Error::Edit { line: 1, .. })), "{beyond}");
+        }
     }
 }

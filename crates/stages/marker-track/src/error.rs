@@ -13,9 +13,6 @@ pub enum Error {
         /// What would do.
         allowed: &'static str,
     },
-    /// An unknown transfer function.
-    #[error("the transfer function '{0}' is not known\n  to do: say srgb, rec709, linear or gamma G")]
-    Transfer(String),
     /// Values that make no picture.
     #[error("{values} values make no picture of {} × {} pixels", .size[0], .size[1])]
     Pixels {
@@ -34,7 +31,7 @@ pub enum Error {
     },
     /// No label lies on the image.
     #[error(
-        "no label lies on the image\n  to do: label the markers that this camera sees, or leave the camera out"
+        "none of the places lies on the image\n  to do: name places in pixels, (0, 0) at the top left; leave out cameras that see no marker"
     )]
     NoLabels,
     /// The labelled places look like what surrounds them.
@@ -46,7 +43,7 @@ pub enum Error {
     #[error("no pixel shows the color #{:02x}{:02x}{:02x}\n  to do: take the color of a dot from the image itself", .0[0], .0[1], .0[2])]
     NoColor([u8; 3]),
     /// A label outside the image.
-    #[error("marker {marker}: the label at ({:.1}, {:.1}) lies outside the image, {} × {} px\n  to do: label it where it is, or take the label out", .at[0], .at[1], .size[0], .size[1])]
+    #[error("marker {marker}: the label at {} lies outside the image, {} × {} px", place(at), .size[0], .size[1])]
     Outside {
         /// The marker.
         marker: String,
@@ -56,7 +53,7 @@ pub enum Error {
         size: [usize; 2],
     },
     /// A label with no dot under it.
-    #[error("marker {marker}: no dot lies at the label ({:.1}, {:.1}); {}\n  to do: put the label on its dot, or take it out; marker-track detect draws what is found", .at[0], .at[1], nearest_words(.nearest))]
+    #[error("marker {marker}: no dot lies at the label {}; {}", place(at), nearest_words(.nearest))]
     NoBlob {
         /// The marker.
         marker: String,
@@ -64,6 +61,24 @@ pub enum Error {
         at: [f64; 2],
         /// Middle of the nearest dot.
         nearest: Option<[f64; 2]>,
+    },
+    /// Two labels on one dot.
+    #[error("marker {marker}: the label at {} lies on the dot of {other}", place(at))]
+    SameDot {
+        /// The marker.
+        marker: String,
+        /// The label, px.
+        at: [f64; 2],
+        /// The marker that has the dot.
+        other: String,
+    },
+    /// Most labels of a camera cannot be used.
+    #[error("{} of {labels} labels cannot be used{}\n  to do: check that the labels are of this image, and that they are in pixels; marker-track detect draws what is found", .faults.len(), lines(.faults))]
+    Labels {
+        /// Why not, of each.
+        faults: Vec<Error>,
+        /// How many labels there are.
+        labels: usize,
     },
     /// A line of a list of edits.
     #[error("line {line}: {what}")]
@@ -75,9 +90,39 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// The marker whose label cannot be used.
+    #[must_use]
+    pub fn marker(&self) -> Option<&String> {
+        match self {
+            Self::Outside { marker, .. } | Self::NoBlob { marker, .. } | Self::SameDot { marker, .. } => {
+                Some(marker)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Faults that a message lists.
+const LISTED: usize = 12;
+
+fn lines(faults: &[Error]) -> String {
+    let more = faults.len().saturating_sub(LISTED);
+    let listed = faults.iter().take(LISTED).map(|fault| format!("\n  {fault}"));
+    listed.chain((more > 0).then(|| format!("\n  and {more} more"))).collect()
+}
+
+/// Large numbers as powers of ten: nobody counts digits.
+fn place([x, y]: &[f64; 2]) -> String {
+    match x.abs().max(y.abs()) < 1e6 {
+        true => format!("({x:.1}, {y:.1})"),
+        false => format!("({x:.1e}, {y:.1e})"),
+    }
+}
+
 fn nearest_words(nearest: &Option<[f64; 2]>) -> String {
     match nearest {
-        Some([x, y]) => format!("the nearest is at ({x:.1}, {y:.1})"),
+        Some(at) => format!("the nearest is at {}", place(at)),
         None => "the image shows none".to_string(),
     }
 }

@@ -16,6 +16,7 @@
 //! [`detect`] finds dots without names, [`Edits`] replays corrections made by hand.
 //!
 //! ```
+//! use artifact::Transfer;
 //! use marker_track::{Params, Picture, Tracker};
 //! // Blue dots on skin, which move by two pixels.
 //! let draw = |shift: usize| -> Vec<u8> {
@@ -27,7 +28,7 @@
 //! let labels = [("nose".to_string(), [42.0, 22.0]), ("chin".to_string(), [42.0, 42.0])].into();
 //! let markers = ["nose".to_string(), "chin".to_string()];
 //! let picture = Picture::new(80, 60, &first)?;
-//! let mut tracker = Tracker::start(&picture, "srgb", &markers, &labels, &Params::default())?;
+//! let mut tracker = Tracker::start(&picture, Transfer::Srgb, &markers, &labels, &Params::default())?;
 //! let samples = tracker.step(&Picture::new(80, 60, &second)?, 1.0, None)?;
 //! let nose = samples[0].unwrap();
 //! assert!((nose.at.x - 44.0).abs() < 0.1 && (nose.at.y - 22.0).abs() < 0.1);
@@ -43,6 +44,7 @@ mod draw;
 mod edits;
 mod error;
 mod guide;
+mod labels;
 mod matching;
 mod matte;
 mod naming;
@@ -52,7 +54,6 @@ mod picture;
 mod predict;
 mod track;
 mod tracker;
-mod transfer;
 
 pub use detect::{Found, detect, places_of_color};
 pub use draw::Canvas;
@@ -63,5 +64,4 @@ pub use naming::{Strays, name_strays};
 pub use paint::Paint;
 pub use params::Params;
 pub use picture::Picture;
-pub use tracker::{Hint, Tracker};
-pub use transfer::linear_light;
+pub use tracker::{GuideHits, Hint, Tracker};

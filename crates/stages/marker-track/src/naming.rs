@@ -25,6 +25,10 @@ const WORST_PX: f64 = 1.5;
 const REACH_PX: f64 = 2.0;
 /// … if no dot nor other marker is nearer than this many times that distance.
 const ALONE: f64 = 2.0;
+/// … in at least so many of the images from so many before to as many after: what lies before a hidden marker by chance soon
+/// moves off.
+const AGREEING: usize = 4;
+const AROUND: usize = 3;
 /// Points less sure than this teach nothing and place nothing.
 const SURE: f64 = 0.5;
 /// A name from other cameras is less sure than one from a label.
@@ -46,24 +50,27 @@ pub fn name_strays(frames: &mut [Tracks2dFrame], strays: &Strays) -> usize {
             }
         }
     }
-    let mut named = 0;
-    for (frame, strays) in frames.iter_mut().zip(strays) {
+    let mut found: BTreeMap<[usize; 2], Vec<(usize, [f64; 2])>> = BTreeMap::new();
+    for (index, (frame, strays)) in frames.iter().zip(strays).enumerate() {
         for (camera, strays) in strays.iter().enumerate().filter(|(_, strays)| !strays.is_empty()) {
-            named += name_in(frame, camera, cameras, strays, &models);
+            for (marker, dot) in claims(frame, camera, cameras, strays, &models) {
+                found.entry([camera, marker]).or_default().push((index, dot));
+            }
         }
     }
-    named
+    found.iter().map(|([camera, marker], dots)| keep_agreeing(frames, *camera, *marker, dots)).sum()
 }
 
 type Models = BTreeMap<[usize; 3], Option<Model>>;
 
-fn name_in(
-    frame: &mut Tracks2dFrame,
+/// Strays of an image that lie where a missing marker must be: the marker and the dot.
+fn claims(
+    frame: &Tracks2dFrame,
     camera: usize,
     cameras: usize,
     strays: &[[f64; 2]],
     models: &Models,
-) -> usize {
+) -> Vec<(usize, [f64; 2])> {
     let places: Vec<(usize, [f64; 2])> = missing(frame, camera)
         .into_iter()
         .filter_map(|marker| Some((marker, place(frame, camera, marker, cameras, models)?)))
@@ -80,12 +87,31 @@ fn name_in(
             found.push((marker, dot));
         }
     }
-    let Some(samples) = frame.cameras[camera].as_mut() else { return 0 };
-    for &(marker, dot) in &found {
-        let at = Point2::from(dot);
-        samples[marker] = Some(Sample2d { at, state: TrackState::Seen, confidence: CONFIDENCE });
+    found
+}
+
+/// Names a marker's dots where it has one in enough of the images around; returns how many.
+fn keep_agreeing(
+    frames: &mut [Tracks2dFrame],
+    camera: usize,
+    marker: usize,
+    dots: &[(usize, [f64; 2])],
+) -> usize {
+    let has_image = |index: &usize| frames[*index].cameras[camera].is_some();
+    let images: Vec<usize> = (0..frames.len()).filter(has_image).collect();
+    let places: Vec<usize> =
+        dots.iter().map(|(index, _)| images.partition_point(|image| image < index)).collect();
+    let agreeing = |at: usize| places.iter().filter(|place| place.abs_diff(at) <= AROUND).count();
+    let enough = AGREEING.min(images.len());
+    let kept = dots.iter().zip(&places).filter(|(_, at)| agreeing(**at) >= enough);
+    let kept: Vec<(usize, [f64; 2])> = kept.map(|(dot, _)| *dot).collect();
+    for &(index, dot) in &kept {
+        if let Some(samples) = frames[index].cameras[camera].as_mut() {
+            let at = Point2::from(dot);
+            samples[marker] = Some(Sample2d { at, state: TrackState::Seen, confidence: CONFIDENCE });
+        }
     }
-    found.len()
+    kept.len()
 }
 
 /// Markers that are not seen in a camera.

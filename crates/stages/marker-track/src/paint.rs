@@ -5,8 +5,9 @@
 //! its ratios run along a curve from skin to paint. A table over log ratios tells, per pixel, how far along that curve it is,
 //! or that it is off the curve.
 
+use crate::Error;
 use crate::picture::Picture;
-use crate::{Error, linear_light};
+use artifact::Transfer;
 
 /// Cells of the table along each log ratio.
 const SIDE: usize = 128;
@@ -64,18 +65,18 @@ struct Sample {
 }
 
 impl Paint {
-    /// Learns the paint from places in an image that lie on dots. `transfer` is the name of the transfer function of its
-    /// codes, as in manifests; `least_coverage` the coverage at which a pixel counts as painted.
+    /// Learns the paint from places in an image that lie on dots. `transfer` is the transfer function of its codes;
+    /// `least_coverage` the coverage at which a pixel counts as painted.
     ///
     /// # Errors
-    /// [`Error::Transfer`]; [`Error::NoContrast`] where most places look like what surrounds them; [`Error::NoLabels`].
+    /// [`Error::NoContrast`] where most places look like what surrounds them; [`Error::NoLabels`].
     pub fn learn(
         picture: &Picture,
-        transfer: &str,
+        transfer: Transfer,
         places: &[[f64; 2]],
         least_coverage: f64,
     ) -> Result<Self, Error> {
-        let light = linear_light(transfer)?;
+        let light = transfer.light_of_codes().map(|light| light as f32);
         let places: Vec<[f64; 2]> = places.iter().copied().filter(|at| picture.contains(*at)).collect();
         if places.is_empty() {
             return Err(Error::NoLabels);

@@ -50,9 +50,38 @@ impl Params {
         };
         share("least-coverage", self.least_coverage)?;
         share("least-share", self.least_share)?;
-        length("gate", self.gate)?;
+        // Beyond the nearest neighbour every marker is in reach of every other.
+        match self.gate > 0.0 && self.gate <= 1.0 {
+            true => Ok(()),
+            false => Err(Error::Parameter {
+                name: "gate",
+                value: self.gate,
+                allowed: "it must lie above 0, and be 1 at most",
+            }),
+        }?;
         length("least-gate-px", self.least_gate_px)?;
         length("most-gate-px", self.most_gate_px)?;
+        if self.least_gate_px > self.most_gate_px {
+            let (name, value) = ("least-gate-px", self.least_gate_px);
+            return Err(Error::Parameter { name, value, allowed: "it must not be above most-gate-px" });
+        }
         length("guide-gate-px", self.guide_gate_px)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_makes_no_sense_is_refused_by_name() {
+        assert_eq!(Params::default().check(), Ok(()));
+        for (params, wrong) in [
+            (Params { gate: 100.0, ..Params::default() }, "gate"),
+            (Params { least_gate_px: 30.0, ..Params::default() }, "least-gate-px"),
+            (Params { guide_gate_px: f64::NAN, ..Params::default() }, "guide-gate-px"),
+        ] {
+            assert!(matches!(params.check(), Err(Error::Parameter { name, .. }) if name == wrong), "{wrong}");
+        }
     }
 }

@@ -5,18 +5,17 @@ mod lost;
 use crate::blobs::{self, Area, Blob};
 use crate::center::{Owners, Patch, Spot};
 use crate::dots::{Dot, dots};
+use crate::labels;
 use crate::matching::{Matches, match_lost, match_tracks};
 use crate::paint::Paint;
 use crate::picture::Picture;
 use crate::predict::MotionField;
 use crate::track::{Prediction, Track};
 use crate::{Error, Params};
-use artifact::{Sample2d, TrackState};
+use artifact::{Sample2d, TrackState, Transfer};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 
-/// How far from a label its dot may be, px.
-const LABEL_REACH_PX: f64 = 3.0;
 /// Room in a search window beyond the gate: the dot itself, its fading rim, the skin around, px.
 const MARGIN_PX: f64 = 10.0;
 
@@ -41,6 +40,17 @@ pub struct Tracker {
     owners: Owners,
     /// Dots of the latest image that no marker has.
     strays: Vec<Stray>,
+    guided: GuideHits,
+    label_faults: Vec<Error>,
+}
+
+/// Of the markers that the guide says can be seen: how many there are, and how many have a dot where it says.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct GuideHits {
+    /// Looked for.
+    pub wanted: usize,
+    /// Found.
+    pub found: usize,
 }
 
 /// A dot that no marker has.
@@ -54,6 +64,13 @@ pub(crate) struct Stray {
     pub(crate) age: f64,
 }
 
+impl std::ops::AddAssign for GuideHits {
+    fn add_assign(&mut self, more: Self) {
+        self.wanted += more.wanted;
+        self.found += more.found;
+    }
+}
+
 impl Stray {
     pub(crate) fn is_near(&self, at: [f64; 2], reach: f64) -> bool {
         (self.at[0] - at[0]).powi(2) + (self.at[1] - at[1]).powi(2) <= reach * reach
@@ -62,60 +79,72 @@ impl Stray {
 
 impl Tracker {
     /// Starts at the labelled image. `markers` are the ids in the order of the samples; `labels` holds the place of each that is
-    /// labelled, px; `transfer` names the transfer function of the images' codes.
+    /// labelled, px; `transfer` is the transfer function of the images' codes. Labels that cannot be used are left out
+    /// ([`Tracker::label_faults`]).
     ///
     /// # Errors
-    /// Labels outside the image or on no dot; those of [`Paint::learn`].
+    /// [`Error::Labels`] where most cannot; those of [`Paint::learn`].
     pub fn start(
         picture: &Picture,
-        transfer: &str,
+        transfer: Transfer,
         markers: &[String],
         labels: &BTreeMap<String, [f64; 2]>,
         params: &Params,
     ) -> Result<Self, Error> {
         params.check()?;
-        let size = [picture.width, picture.height];
-        if let Some((marker, at)) = labels.iter().find(|(_, at)| !picture.contains(**at)) {
-            return Err(Error::Outside { marker: marker.clone(), at: *at, size });
-        }
         let places: Vec<[f64; 2]> = labels.values().copied().collect();
         let paint = Paint::learn(picture, transfer, &places, params.least_coverage)?;
         let found = blobs::find(picture, &paint, &Area::everything(picture));
+        let faults = labels::faults(picture, &found, labels);
+        if 2 * faults.len() > labels.len() {
+            return Err(Error::Labels { faults, labels: labels.len() });
+        }
+        let usable = |id: &String| !faults.iter().any(|fault| fault.marker() == Some(id));
+        let named: Vec<Option<[f64; 2]>> =
+            markers.iter().map(|id| labels.get(id).copied().filter(|_| usable(id))).collect();
         let mut tracker = Self {
             params: params.clone(),
             paint,
-            size,
+            size: [picture.width, picture.height],
             tracks: vec![Track::default(); markers.len()],
             owners: Owners::default(),
             strays: Vec::new(),
+            guided: GuideHits::default(),
+            label_faults: faults,
         };
-        let named: Vec<(usize, [f64; 2])> = markers
-            .iter()
-            .enumerate()
-            .filter_map(|(track, id)| labels.get(id).map(|at| (track, *at)))
-            .collect();
-        for (track, at) in &named {
-            check_label(&found, &markers[*track], *at)?;
-        }
-        let predictions: Vec<Option<Prediction>> = tracker
-            .tracks
-            .iter()
-            .enumerate()
-            .map(|(track, _)| {
-                let label = named.iter().find(|(named, _)| *named == track);
-                label.map(|(_, at)| Prediction::at(*at, 2.0 * LABEL_REACH_PX))
-            })
-            .collect();
-        let with_strays = named.len() < markers.len();
-        tracker.follow(picture, &found, predictions, &[], 0.0, with_strays);
-        // A label without a measurable dot still stands where it was put.
-        for (track, at) in named {
-            if !tracker.tracks[track].alive {
-                tracker.tracks[track].set(at);
-            }
-            tracker.tracks[track].home = Some(tracker.tracks[track].at);
+        let at = |at: &Option<[f64; 2]>| at.map(|at| Prediction::at(at, 2.0 * labels::REACH_PX));
+        let with_strays = named.contains(&None);
+        tracker.follow(picture, &found, named.iter().map(at).collect(), &[], 0.0, with_strays);
+        for (track, at) in named.into_iter().enumerate() {
+            let Some(at) = at else { continue };
+            tracker.settle(track, &markers[track], at, labels);
         }
         Ok(tracker)
+    }
+
+    /// Makes the labelled place a track's home. A label without a measurable dot still stands where it was put, unless its
+    /// dot is another label's.
+    fn settle(&mut self, track: usize, marker: &str, at: [f64; 2], labels: &BTreeMap<String, [f64; 2]>) {
+        if !self.tracks[track].alive {
+            if let Some(other) = labels::on_the_same_dot(labels, marker, at) {
+                self.label_faults.push(Error::SameDot { marker: marker.into(), at, other: other.clone() });
+                return;
+            }
+            self.tracks[track].set(at);
+        }
+        self.tracks[track].home = Some(self.tracks[track].at);
+    }
+
+    /// Why labels were left out, one [`Error`] for each.
+    #[must_use]
+    pub fn label_faults(&self) -> &[Error] {
+        &self.label_faults
+    }
+
+    /// What the guide was worth in the latest image.
+    #[must_use]
+    pub fn guide_hits(&self) -> GuideHits {
+        self.guided
     }
 
     /// What the paint looks like.
@@ -237,8 +266,13 @@ impl Tracker {
             self.strays = strays.into_iter().map(stray).collect();
         }
         self.owners.leave(found);
+        self.guided = GuideHits::default();
         for (index, track) in self.tracks.iter_mut().enumerate() {
             let Some(prediction) = &predictions[index] else { continue };
+            if prediction.guided && prediction.facing {
+                self.guided.wanted += 1;
+                self.guided.found += usize::from(matches.dot_of[index].is_some());
+            }
             match matches.dot_of[index].map(|dot| &matches.dots[dot]) {
                 Some(dot) => track.see(dot, prediction, frames),
                 None => track.miss(prediction, frames, motion.at(track.at)),
@@ -345,21 +379,4 @@ fn cut_near(
         false => None,
     };
     found.iter().enumerate().map(cut).collect()
-}
-
-fn check_label(found: &[Blob], marker: &str, at: [f64; 2]) -> Result<(), Error> {
-    let distance = |blob: &Blob| {
-        let to_run = |run: &blobs::Run| {
-            let x = at[0].clamp(f64::from(run.first), f64::from(run.end - 1));
-            (x - at[0]).hypot(f64::from(run.y) - at[1])
-        };
-        blob.runs.iter().map(to_run).fold(f64::INFINITY, f64::min)
-    };
-    let nearest = found.iter().map(|blob| (distance(blob), blob)).min_by(|a, b| a.0.total_cmp(&b.0));
-    match nearest {
-        Some((distance, _)) if distance <= LABEL_REACH_PX => Ok(()),
-        other => {
-            Err(Error::NoBlob { marker: marker.to_string(), at, nearest: other.map(|(_, blob)| blob.middle) })
-        }
-    }
 }

@@ -139,15 +139,143 @@ fn edits_are_replayed_and_their_faults_named_by_line() {
 #[test]
 fn bad_labels_and_images_are_refused_by_name() {
     let folder = take();
-    write_labels(folder.path(), |places| _ = places.insert("d04".into(), [3.0, 300.0]));
-    assert_refused(&folder, &TRACK, &["labels.json", "camera m1", "marker d04", "outside the image"]);
-    write_labels(folder.path(), |places| _ = places.insert("d04".into(), [38.0, 40.0]));
-    assert_refused(&folder, &TRACK, &["labels.json", "camera m1", "marker d04", "no dot", "nearest"]);
+    let wrong = |places: &mut BTreeMap<String, [f64; 2]>| {
+        for (i, at) in places.values_mut().enumerate() {
+            *at = match i {
+                0..6 => [at[0] + 300.0, at[1]],
+                6 => [at[0] + 15.0, at[1] + 15.0],
+                _ => *at,
+            };
+        }
+        places.insert("d11".into(), [3.0, 1e300]);
+    };
+    write_labels(folder.path(), wrong);
+    let said =
+        ["labels.json, camera m1", "8 of 12", "marker d06: no dot", "nearest", "(3.0e0, 1.0e300)", "to do"];
+    assert_refused(&folder, &TRACK, &said);
+    write_labels(folder.path(), |places| _ = places.insert("nose tip".into(), [60.0, 60.0]));
+    assert_refused(&folder, &TRACK, &["labels.json", "marker nose tip", "blank"]);
     write_labels(folder.path(), |_| {});
     write_rgb8(&folder.path().join("m1/001002.png"), 4, 4, &[9; 48]).unwrap().publish().unwrap();
     assert_refused(&folder, &TRACK, &["001002.png", "4 × 4 px", "160 × 120"]);
     std::fs::remove_file(folder.path().join("m1/001002.png")).unwrap();
     assert_refused(&folder, &TRACK, &["001002.png", "cannot read"]);
+}
+
+/// A few labels that cannot be used are left out; all are named.
+#[test]
+fn a_bad_label_does_not_stop_the_take() {
+    let folder = take();
+    write_labels(folder.path(), |places| {
+        places.insert("d04".into(), [3.0, 300.0]);
+        places.insert("d06".into(), [38.0, 40.0]);
+        let [x, y] = dots_at(LABELLED)[0].at;
+        places.insert("d12".into(), [x + 1.5, y]);
+    });
+    let output = call(&folder, &TRACK);
+    let said = String::from_utf8_lossy(&output.stderr).to_string();
+    assert!(output.status.success(), "{said}");
+    for part in ["marker d04", "outside the image", "marker d06: no dot", "marker d12", "on the dot of d00"] {
+        assert!(said.contains(part), "'{part}' is missing in: {said}");
+    }
+    let frames = tracks(&folder);
+    let samples = frames[3].cameras[0].as_ref().unwrap();
+    assert!(samples[0].is_some() && samples[4].is_none() && samples[6].is_none() && samples[12].is_none());
+}
+
+/// A pinhole camera that looks along z from the world's origin, and the markers on a plane before it.
+fn write_guide(folder: &Path, off: f64, id: &str) {
+    let lens = camera::Lens {
+        focal_px: nalgebra::Vector2::repeat(100.0),
+        center_px: nalgebra::Vector2::new(80.0, 60.0),
+        distortion: camera::BrownConrady::default(),
+    };
+    let image_size = SIZE.map(|side| side as u32);
+    let camera = camera::Camera { image_size, lens, cam_from_world: nalgebra::Isometry3::identity() };
+    let cameras = [("m1", camera.clone()), ("m2", camera)]
+        .map(|(id, camera)| (id.to_string(), artifact::RigCamera::from(camera)));
+    let rig = artifact::CameraRig { cameras: cameras.into(), take: None };
+    let point = |dot: &Dot| Some(nalgebra::Point3::new(dot.at[0] + off - 80.0, dot.at[1] - 60.0, 100.0));
+    let frame = |frame: i64| {
+        let points: Vec<_> = dots_at(frame).iter().map(point).collect();
+        artifact::MarkerFrame { frame, status: vec![artifact::SampleStatus::Measured; points.len()], points }
+    };
+    let take = id.to_string();
+    let take = Some(artifact::TakeRef { take, session: "s".into(), sha256: "0".repeat(64) });
+    let unit = artifact::Unit::Mm;
+    let header = artifact::MarkerHeader { unit, markers: scene::names(&grid()), rate: None, take };
+    let guide = artifact::Trajectories { header, frames: (1001..1001 + FRAMES).map(frame).collect() };
+    let path = folder.join("guide.jsonl");
+    guide.write::<artifact::Trajectories3d>(&path).unwrap().publish().unwrap();
+    write_document(&folder.join("cameras.json"), &rig).unwrap().publish().unwrap();
+}
+
+#[test]
+fn a_guide_is_held_against_the_labels() {
+    let folder = take();
+    let guided = [&TRACK[..], &["--guide", "guide.jsonl", "--cameras", "cameras.json"]].concat();
+    for (off, said) in [(8.0, "m1: 8."), (500.0, "m1: outside the image")] {
+        write_guide(folder.path(), off, "t");
+        assert_refused(&folder, &guided, &["guide.jsonl", "the labels of frame 1004", said, "to do"]);
+    }
+    let said = |off: f64| {
+        write_guide(folder.path(), off, "t");
+        let output = call(&folder, &guided);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stderr).to_string()
+    };
+    assert!(said(3.0).contains("median distance, m1: 3.") && said(3.0).contains("have no dot there"));
+    let good = said(0.3);
+    assert!(good.contains("guide found: 60") && !good.contains("warning"), "{good}");
+}
+
+/// A second camera that has no labels: named without a guide, tracked with one.
+#[test]
+fn the_guide_labels_a_camera_without_labels() {
+    let folder = take();
+    let path = folder.path().join("frames.json");
+    let mut frames: Frames = artifact::read_document(&path).unwrap();
+    frames.cameras.insert("m2".into(), frames.cameras["m1"].clone());
+    write_document(&path, &frames).unwrap().publish().unwrap();
+    let output = call(&folder, &TRACK);
+    assert!(
+        String::from_utf8_lossy(&output.stderr)
+            .contains("not tracked, with no labels in their image of frame 1004: m2")
+    );
+    write_guide(folder.path(), 0.3, "t");
+    let guided = [&TRACK[..], &["--guide", "guide.jsonl", "--cameras", "cameras.json"]].concat();
+    assert!(call(&folder, &guided).status.success());
+    let reader = FrameReader::<Tracks2d>::open(&folder.path().join("tracks.jsonl")).unwrap();
+    assert_eq!(reader.header().cameras, ["m1", "m2"]);
+    let last = reader.last().unwrap().unwrap();
+    assert_eq!(last.cameras[0], last.cameras[1]);
+}
+
+/// Files of another take are refused; of the same take, before its manifest was changed, they are used with a warning.
+#[test]
+fn a_changed_manifest_is_a_warning() {
+    let folder = take();
+    let stamp = |file: &str, take: &str, sha256: String| {
+        let path = folder.path().join(file);
+        let take = Some(artifact::TakeRef { take: take.into(), session: "s".into(), sha256 });
+        match file {
+            "labels.json" => {
+                let labels: Labels = artifact::read_document(&path).unwrap();
+                write_document(&path, &Labels { take, ..labels }).unwrap().publish().unwrap();
+            }
+            _ => {
+                let frames: Frames = artifact::read_document(&path).unwrap();
+                write_document(&path, &Frames { take, ..frames }).unwrap().publish().unwrap();
+            }
+        }
+    };
+    stamp("frames.json", "t", "0".repeat(64));
+    stamp("labels.json", "u", "0".repeat(64));
+    assert_refused(&folder, &TRACK, &["labels.json", "is of take u", "of take t", "to do"]);
+    stamp("labels.json", "t", "1".repeat(64));
+    let output = call(&folder, &TRACK);
+    let said = String::from_utf8_lossy(&output.stderr).to_string();
+    assert!(output.status.success() && said.contains("the manifest of take t was changed"), "{said}");
 }
 
 #[test]
@@ -181,8 +309,10 @@ fn dots_are_numbered_and_tracks_drawn() {
 #[test]
 fn tables_with_names_are_labels() {
     let folder = take();
-    let words =
-        ["detect", "--camera", "m1", "--frame", "1004", "--color", "1c3d86", "--out", "n.png", "--csv", "n.csv"];
+    let words = [
+        "detect", "--camera", "m1", "--frame", "1004", "--color", "1c3d86", "--out", "n.png", "--csv",
+        "n.csv",
+    ];
     assert!(call(&folder, &words).status.success());
     let path = folder.path().join("n.csv");
     let rows = std::fs::read_to_string(&path).unwrap();

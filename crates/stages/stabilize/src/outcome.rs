@@ -108,7 +108,7 @@ impl Work {
             frames: head.frame_count(),
             markers: self.ids.len(),
             head_markers: self.body.markers.iter().map(|&m| self.ids[m].clone()).collect(),
-            head_markers_found: params.head_markers.is_empty(),
+            head_markers_chosen: params.head_markers.is_empty(),
             reference_frame: self.world.numbers[found.reference.0],
             residual_rms_mm: root_mean(&squares),
             jitter_removed_rms_mm: root_mean(&shifts),

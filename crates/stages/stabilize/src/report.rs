@@ -18,8 +18,8 @@ pub struct Report {
     pub markers: usize,
     /// Head markers that the pose was found from.
     pub head_markers: Vec<String>,
-    /// Whether they were found, not named.
-    pub head_markers_found: bool,
+    /// Whether the stage chose them, because none were named.
+    pub head_markers_chosen: bool,
     /// The frame at which head space is world space.
     pub reference_frame: i64,
     /// Root mean square distance of the head markers from their places on the rigid head, mm.
@@ -118,7 +118,7 @@ impl Report {
     pub fn warnings(&self) -> Vec<String> {
         let never = self.never_seen.iter().map(|id| format!("marker {id} is missing in all frames"));
         // Found markers are skin: that they move now and then is no news.
-        let named = (!self.head_markers_found).then_some(&self.head_marker_rejected);
+        let named = (!self.head_markers_chosen).then_some(&self.head_marker_rejected);
         let rejected = named.into_iter().flatten().map(|(id, count)| {
             let frames = counted(self.frames, "frame");
             format!("head marker {id} was off its place and left out in {count} of {frames}")
@@ -131,7 +131,7 @@ impl Report {
             );
             format!("{frames} {have} no pose: fewer than three head markers agree there")
         });
-        let soft = (self.head_markers_found && self.residual_rms_mm > SOFT_MM).then(|| {
+        let soft = (self.head_markers_chosen && self.residual_rms_mm > SOFT_MM).then(|| {
             let stray = self.residual_rms_mm;
             format!("the least deforming markers still stray {stray:.1} mm: this head motion is a guess; name head markers")
         });

@@ -23,7 +23,8 @@ pub fn stabilize(take: &Trajectories, params: &Params) -> Result<Stabilized, Err
     let mut work = Work::begin(take, params)?;
     let mut head = work.to_head();
     let layout = Layout::of(&head);
-    let (jumps, swaps) = work.clean(&mut head, &layout, params);
+    let (reference, _) = work.reference(params.reference_frame)?;
+    let (jumps, swaps) = work.clean(&mut head, &layout, reference, params);
     let layout = Layout::of(&head);
     let mut head = work.steady(head, params);
     let gaps_left = |f: usize| work.poses[f].is_some();
@@ -101,7 +102,13 @@ impl Work {
     }
 
     /// Takes out samples that are off their place, and mends swaps. Head markers are judged by the rigid fit alone.
-    fn clean(&self, head: &mut Samples, layout: &Layout, params: &Params) -> (Vec<Jump>, Vec<Swap>) {
+    fn clean(
+        &self,
+        head: &mut Samples,
+        layout: &Layout,
+        reference: usize,
+        params: &Params,
+    ) -> (Vec<Jump>, Vec<Swap>) {
         if params.jump == JumpLimit::Off {
             return (Vec::new(), Vec::new());
         }
@@ -113,7 +120,9 @@ impl Work {
         let squatters = swaps::take_out_squatters(head, layout, &candidates, &jumps);
         jumps.extend(squatters);
         jumps.sort_by_key(|jump| (jump.frames, jump.marker));
-        let swaps = swaps::find(head, &labelled, layout, &jumps, params.swaps == Swaps::Mend);
+        let mut swaps = swaps::find(head, &labelled, layout, &jumps, params.swaps == Swaps::Mend);
+        let is_asked = params.reference_frame.is_some();
+        swaps::keep_reference_side(head, &mut jumps, &mut swaps, reference, is_asked);
         (jumps, swaps)
     }
 

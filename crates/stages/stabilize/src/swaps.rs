@@ -19,6 +19,8 @@ const LEAST_FRAMES: usize = 3;
 const TAKEN_RATIO: f64 = 0.35;
 /// … and this far from its own, as a share of the distance at rest.
 const TAKEN_AWAY: f64 = 0.4;
+/// A side of an exchange that is so many times the other is right, unless the user named a frame of the other.
+const CLEAR_MAJORITY: usize = 3;
 /// Only beside other markers' jumps is that looked for: within so many frames.
 const BESIDE_FRAMES: usize = 2;
 
@@ -123,6 +125,68 @@ fn give_back(head: &mut Samples, labelled: &Samples, swaps: &mut [Swap]) {
             head.points[f][swap.place_of] = labelled.points[f][swap.marker];
         }
     }
+}
+
+/// Two markers whose names are exchanged from a frame to one end of the take.
+#[derive(Debug, Clone, Copy)]
+struct Exchange {
+    markers: [usize; 2],
+    /// The frames that were mended, and the others.
+    mended: (usize, usize),
+    others: (usize, usize),
+}
+
+/// Where two names are exchanged to one end of the take, nothing says which side is right, save that the larger one was taken for
+/// it: the side that holds the reference frame is, unless it is far the shorter one and `is_asked` is false.
+pub(crate) fn keep_reference_side(
+    head: &mut Samples,
+    jumps: &mut [Jump],
+    swaps: &mut [Swap],
+    reference: usize,
+    is_asked: bool,
+) {
+    let length = |frames: (usize, usize)| frames.1 + 1 - frames.0;
+    for exchange in exchanges(swaps, head.frame_count()) {
+        let Exchange { markers: [a, b], mended, others } = exchange;
+        let holds = (mended.0..=mended.1).contains(&reference);
+        if !holds || !(is_asked || length(others) <= CLEAR_MAJORITY * length(mended)) {
+            continue;
+        }
+        head.points.iter_mut().for_each(|row| row.swap(a, b));
+        for swap in swaps
+            .iter_mut()
+            .filter(|swap| swap.is_mended && [a, b].contains(&swap.marker) && overlap(swap.frames, mended))
+        {
+            swap.frames = others;
+        }
+        for jump in jumps
+            .iter_mut()
+            .filter(|jump| jump.is_off && [a, b].contains(&jump.marker) && overlap(jump.frames, mended))
+        {
+            jump.frames = others;
+        }
+    }
+}
+
+fn overlap(a: (usize, usize), b: (usize, usize)) -> bool {
+    a.0 <= b.1 && b.0 <= a.1
+}
+
+fn exchanges(swaps: &[Swap], frame_count: usize) -> Vec<Exchange> {
+    let mended = || swaps.iter().filter(|swap| swap.is_mended);
+    let exchange = |swap: &Swap| {
+        let back = |other: &&Swap| {
+            (other.marker, other.place_of) == (swap.place_of, swap.marker) && other.frames == swap.frames
+        };
+        mended().find(back).filter(|_| swap.marker < swap.place_of)?;
+        let others = match swap.frames {
+            (0, last) if last + 1 < frame_count => (last + 1, frame_count - 1),
+            (first, last) if first > 0 && last + 1 == frame_count => (0, first - 1),
+            _ => return None,
+        };
+        Some(Exchange { markers: [swap.marker, swap.place_of], mended: swap.frames, others })
+    };
+    mended().filter_map(exchange).collect()
 }
 
 /// Where markers would be, from their neighbours.

@@ -10,6 +10,10 @@ use std::collections::BTreeMap;
 
 /// Exchanged markers that warnings name.
 const SWAPS_SAID: usize = 12;
+/// A reprojection error above this, px, and this many times the noise, is no noise: the calibration of one camera is off, or its
+/// clock. Good rigs stay below 0.3 px.
+const SYSTEMATIC_PX: f64 = 0.5;
+const SYSTEMATIC: f64 = 6.0;
 /// With a larger share of outliers the cameras contradict each other: one in three that is off leaves as many.
 const CONTRADICTED: f64 = 0.35;
 
@@ -78,6 +82,8 @@ pub struct MarkerReport {
     pub interpolated: usize,
     /// Samples without a position.
     pub missing: usize,
+    /// Samples that cameras saw, but did not agree on.
+    pub disagreed: usize,
     /// Runs of frames in which it was not measured.
     pub gaps: usize,
     /// The longest of those, frames.
@@ -130,9 +136,12 @@ impl Tally {
     }
 
     pub(crate) fn see_solved(&mut self, frame: &Solved) {
-        for found in &frame.found {
+        for (marker, found) in frame.found.iter().enumerate() {
             match found {
-                Found::Disagreed => self.disagreed += 1,
+                Found::Disagreed => {
+                    self.disagreed += 1;
+                    self.markers[marker].disagreed += 1;
+                }
                 Found::Point(fix) => {
                     for (camera, residual) in &fix.used {
                         let sums = &mut self.cameras[*camera];
@@ -225,11 +234,27 @@ impl Report {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        let never = |marker: &&String| self.coverage[*marker].measured == 0;
-        let never: Vec<&str> = self.coverage.keys().filter(never).map(String::as_str).collect();
-        if !never.is_empty() {
-            let which = never.join(", ");
-            warnings.push(format!("no two cameras ever see these markers together: {which}"));
+        let never = |disagreed: bool| -> Vec<&str> {
+            let is_so = |marker: &MarkerReport| marker.measured == 0 && (marker.disagreed > 0) == disagreed;
+            self.coverage.iter().filter(|(_, marker)| is_so(marker)).map(|(id, _)| id.as_str()).collect()
+        };
+        for (markers, what) in [
+            (never(false), "no two cameras ever see these markers together"),
+            (
+                never(true),
+                "the cameras that see these markers never agree where they are; look for wrong names in one",
+            ),
+        ] {
+            if !markers.is_empty() {
+                warnings.push(format!("{what}: {}", markers.join(", ")));
+            }
+        }
+        let rms = self.reprojection_rms_px;
+        if rms > SYSTEMATIC_PX && rms > SYSTEMATIC * self.noise_px {
+            warnings.push(format!(
+                "the cameras miss the markers by {rms:.2} px, while the tracks are steady to {:.2} px: the calibration seems off; look at it with calibrate doctor",
+                self.noise_px
+            ));
         }
         let idle = self.cameras.iter().filter(|(_, camera)| camera.used == 0);
         let idle: Vec<&str> = idle.map(|(id, _)| id.as_str()).collect();
@@ -257,5 +282,29 @@ impl Report {
             warnings.push(format!("{} more such pairs: see the side-car", self.swaps.len() - SWAPS_SAID));
         }
         warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_say_what_is_the_matter() {
+        let ids = |names: [&str; 2]| names.map(String::from);
+        let mut tally = Tally::new(2, 2);
+        let found = vec![Found::Disagreed, Found::Nothing];
+        tally.see_solved(&Solved { frame: 1, found });
+        let mut report = tally.report(&ids(["m1", "m2"]), &ids(["a", "b"]));
+        (report.reprojection_rms_px, report.noise_px) = (1.3, 0.07);
+        let said = report.warnings().join("\n");
+        assert!(said.contains("no two cameras ever see these markers together: b\n"), "{said}");
+        assert!(said.contains("never agree") && said.contains("names in one: a\n"), "{said}");
+        assert!(said.contains("by 1.30 px, while the tracks are steady to 0.07 px"), "{said}");
+        // Tracks that are as unsteady say nothing of the calibration; nor does an error of a tenth.
+        for (rms, noise) in [(1.3, 0.5), (0.1, 0.01)] {
+            (report.reprojection_rms_px, report.noise_px) = (rms, noise);
+            assert!(!report.warnings().join("\n").contains("calibration seems off"));
+        }
     }
 }

@@ -96,8 +96,28 @@ fn bad_tracks_are_refused_with_their_place() {
         &[],
         &["tracks.jsonl, frame 1001, camera m1, marker p0", "outside the camera's image of 656 × 490"],
     );
+    plant(&text.replace("\"frame\":1030", "\"frame\":99999"));
+    refused(
+        path,
+        &["--c3d", "out/t.c3d"],
+        &["30 frames between 1001 and 99999", "would hold 98999", "to do"],
+    );
     plant(&text);
     refused(path, &["--c3d", "out/t.bin"], &["out/t.bin", ".c3d"]);
+    let mut command = Command::cargo_bin("triangulate").unwrap();
+    command.current_dir(path).args([
+        "--cameras",
+        "cameras.json",
+        "--tracks",
+        "tracks.jsonl",
+        "--out",
+        "t.C3D",
+    ]);
+    let output = command.output().unwrap();
+    assert!(output.status.code() == Some(1) && !path.join("t.C3D").exists());
+    assert!(
+        String::from_utf8_lossy(&output.stderr).contains("t.C3D: --out writes trajectories-3d as JSON Lines")
+    );
 }
 
 #[test]

@@ -76,7 +76,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         Some(color) => places_of_color(&picture, color)?,
         None => arguments.at.clone(),
     };
-    let paint = Paint::learn(&picture, &images.transfer, &places, Params::default().least_coverage)?;
+    let paint = Paint::learn(&picture, images.transfer, &places, Params::default().least_coverage)?;
     let dots = detect(&picture, &paint);
     run.result("dots", dots.len());
     if dots.is_empty() {

@@ -4,7 +4,7 @@ use super::footage::{CameraImages, Image};
 use super::guide::Guide;
 use anyhow::Context;
 use artifact::Sample2d;
-use marker_track::{Hint, Tracker};
+use marker_track::{GuideHits, Hint, Tracker};
 use rayon::prelude::*;
 use stage::Run;
 
@@ -20,6 +20,8 @@ pub(crate) struct Camera {
     pub(crate) samples: Vec<Option<Vec<Option<Sample2d>>>>,
     /// Per frame the dots that no marker has.
     pub(crate) strays: Vec<Vec<[f64; 2]>>,
+    /// What the guide was worth in all images.
+    pub(crate) guided: GuideHits,
     /// Place of the frame that the tracker was last given.
     pub(crate) last: usize,
 }
@@ -66,6 +68,7 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
                 .tracker
                 .step(&image.picture()?, frames, hints.as_deref())
                 .with_context(|| format!("camera {}, frame {}", camera.id, plan.numbers[index]))?;
+            camera.guided += camera.tracker.guide_hits();
             camera.strays[index] = camera.tracker.strays();
             (camera.samples[index], camera.last) = (Some(samples), index);
         }

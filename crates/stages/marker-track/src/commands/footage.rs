@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 use artifact::picture::{Rgb, read_rgb};
-use artifact::{FrameReader, Frames, Rate, SyncFrame, Take, TakeRef, TimeBase};
+use artifact::{FrameReader, Frames, Rate, SyncFrame, Take, TakeCamera, TakeRef, TimeBase, Transfer};
 use marker_track::Picture;
 use stage::Run;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub(crate) struct Source {
 
 /// A camera's images.
 pub(crate) struct CameraImages {
-    pub(crate) transfer: String,
+    pub(crate) transfer: Transfer,
     pub(crate) size: [u32; 2],
     /// Per frame of the footage its image, where there is one.
     pub(crate) paths: Vec<Option<PathBuf>>,
@@ -67,22 +67,54 @@ impl Source {
             }
             (None, None) => bail!("name the images: --frames or --take"),
         };
-        if let (Some(stated), Some(take)) = (&header.take, &take)
-            && stated.sha256 != take.sha256
-        {
-            bail!(
-                "{}: is of {stated}, but {} is of {take}\n  to do: give files of one take",
-                self.sync.display(),
-                path.display()
-            );
-        }
+        check_take(run, &self.sync, header.take.as_ref(), take.as_ref())?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let take = take.or(header.take);
         Ok(Footage { folder, kind, path: path.clone(), rate: header.rate, take, frames })
     }
 }
 
+/// Refuses a file of another take than the images; warns of one that was made before the manifest was changed.
+pub(crate) fn check_take(
+    run: &mut Run,
+    file: &Path,
+    stated: Option<&TakeRef>,
+    take: Option<&TakeRef>,
+) -> anyhow::Result<()> {
+    let (Some(stated), Some(take)) = (stated, take) else { return Ok(()) };
+    let file = file.display();
+    if (&stated.take, &stated.session) != (&take.take, &take.session) {
+        bail!(
+            "{file}: is of take {} of session {}, but the images are of take {} of session {}\n  to do: give files of one take",
+            stated.take,
+            stated.session,
+            take.take,
+            take.session
+        );
+    }
+    if stated.sha256 != take.sha256 {
+        run.warn(format!(
+            "{file}: the manifest of take {} was changed since this was made; if the change moves images or frames, make it again",
+            take.take
+        ));
+    }
+    Ok(())
+}
+
 impl Footage {
+    /// The cameras that have images to track in.
+    pub(crate) fn ids(&self) -> Vec<&String> {
+        match &self.kind {
+            Kind::Extracted(frames) => frames.cameras.keys().collect(),
+            Kind::Take(take) => {
+                let has_images = |camera: &&TakeCamera| {
+                    camera.footage.as_ref().is_some_and(|footage| footage.images.is_some())
+                };
+                take.cameras.iter().filter(has_images).map(|camera| &camera.id).collect()
+            }
+        }
+    }
+
     pub(crate) fn numbers(&self) -> Vec<i64> {
         self.frames.iter().map(|frame| frame.frame).collect()
     }
@@ -92,12 +124,17 @@ impl Footage {
         &self.path
     }
 
+    fn transfer(&self, id: &str, name: &str) -> anyhow::Result<Transfer> {
+        name.parse().with_context(|| format!("{}, camera {id}", self.path.display()))
+    }
+
     /// The images of a camera.
     pub(crate) fn camera(&self, id: &str) -> anyhow::Result<CameraImages> {
         let unknown = || {
             format!(
-                "{}: has no camera {id}, which has labels\n  to do: correct the labels",
-                self.path.display()
+                "{}: has no camera {id}\n  to do: name one of {}",
+                self.path.display(),
+                self.ids().into_iter().cloned().collect::<Vec<_>>().join(", ")
             )
         };
         match &self.kind {
@@ -108,7 +145,7 @@ impl Footage {
                     camera.image(frame.frame).filter(|_| fresh).map(|name| self.folder.join(name))
                 };
                 Ok(CameraImages {
-                    transfer: camera.transfer.clone(),
+                    transfer: self.transfer(id, &camera.transfer)?,
                     size: camera.image_size,
                     paths: self.frames.iter().map(path).collect(),
                 })
@@ -126,7 +163,7 @@ impl Footage {
                     footage.image(shown.index).map(|name| self.folder.join(name))
                 };
                 Ok(CameraImages {
-                    transfer: camera.transfer.clone(),
+                    transfer: self.transfer(id, &camera.transfer)?,
                     size: camera.image_size,
                     paths: self.frames.iter().map(path).collect(),
                 })

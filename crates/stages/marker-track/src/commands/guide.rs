@@ -1,11 +1,15 @@
 //! 3D markers of a first pass, and the cameras that they are seen by again.
 
+use super::footage::check_take;
 use anyhow::{Context, bail};
-use artifact::{CameraRig, TakeRef, Trajectories, Trajectories3d};
+use artifact::{CameraRig, Sample2d, TakeRef, TrackState, Trajectories, Trajectories3d};
 use marker_track::{Hint, hints};
 use stage::Run;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Fewer markers do not tell whether a guide fits.
+const FEWEST: usize = 3;
 
 /// The guide of a second pass.
 pub(crate) struct Guide {
@@ -28,14 +32,7 @@ impl Guide {
         run.input("guide", path)?;
         let rig: CameraRig = artifact::read_document(cameras)?;
         run.input("cameras", cameras)?;
-        if let (Some(stated), Some(take)) = (&trajectories.header.take, take)
-            && stated.sha256 != take.sha256
-        {
-            bail!(
-                "{}: is of {stated}, but the images are of {take}\n  to do: give the guide of that take",
-                path.display()
-            );
-        }
+        check_take(run, path, trajectories.header.take.as_ref(), take)?;
         let frames =
             trajectories.frames.iter().enumerate().map(|(index, frame)| (frame.frame, index)).collect();
         Ok(Self { trajectories, rig, path: path.into(), cameras: cameras.into(), frames })
@@ -54,7 +51,10 @@ impl Guide {
         markers: &[String],
     ) -> anyhow::Result<Option<Vec<Option<Hint>>>> {
         let rig = self.rig.cameras.get(camera).with_context(|| {
-            format!("{}: has no camera {camera}, which has labels", self.cameras.display())
+            format!(
+                "{}: has no camera {camera}, which has labels\n  to do: calibrate it, or take its labels out",
+                self.cameras.display()
+            )
         })?;
         if rig.camera.image_size != size {
             let [width, height] = rig.camera.image_size;
@@ -69,6 +69,36 @@ impl Guide {
         let found = hints(&self.trajectories.frames[index].points, &rig.camera);
         let of = |id: &String| self.trajectories.marker(id).and_then(|marker| found[marker]);
         Ok(Some(markers.iter().map(of).collect()))
+    }
+
+    /// Whether the camera is calibrated.
+    pub(crate) fn has_camera(&self, camera: &str) -> bool {
+        self.rig.cameras.contains_key(camera)
+    }
+
+    /// The median distance from what a camera sees of markers to where the guide puts them, px: infinite where it puts most of
+    /// them outside the image. None where the guide has fewer than three of them in that frame.
+    pub(crate) fn median_off(
+        &self,
+        frame: i64,
+        markers: &[String],
+        seen: &[Option<Sample2d>],
+        hints: &[Option<Hint>],
+    ) -> Option<f64> {
+        let points = &self.trajectories.frames[*self.frames.get(&frame)?].points;
+        let known = |id: &String| self.trajectories.marker(id).is_some_and(|marker| points[marker].is_some());
+        let off = |((id, sample), hint): ((&String, &Option<Sample2d>), &Option<Hint>)| {
+            let at = sample.filter(|sample| sample.state == TrackState::Seen && known(id))?.at;
+            Some(hint.map_or(f64::INFINITY, |hint| (at.x - hint.at[0]).hypot(at.y - hint.at[1])))
+        };
+        let mut off: Vec<f64> = markers.iter().zip(seen).zip(hints).filter_map(off).collect();
+        off.sort_by(f64::total_cmp);
+        (off.len() >= FEWEST).then(|| off[off.len() / 2])
+    }
+
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     pub(crate) fn check_overlap(&self, numbers: &[i64]) -> anyhow::Result<()> {

@@ -31,7 +31,10 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         run.input("table", path)?;
     }
     let Some(frame) = sheet.frame.filter(|_| !sheet.cameras.is_empty()) else {
-        bail!("{}: names no marker\n  to do: write names into the column marker", arguments.tables[0].display());
+        bail!(
+            "{}: names no marker\n  to do: write names into the column marker",
+            arguments.tables[0].display()
+        );
     };
     for (camera, places) in &sheet.cameras {
         if let Some((take, _)) = &take

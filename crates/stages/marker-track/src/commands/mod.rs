@@ -6,6 +6,7 @@ mod footage;
 mod guide;
 mod label;
 mod show;
+mod start;
 mod track;
 
 use clap::{Parser, Subcommand};

@@ -33,6 +33,9 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let stable = run.timed("stabilize", || stabilize(&take, &params));
     let stable = stable.map_err(|error| error.in_file(&arguments.markers))?;
     stable.report.warnings().into_iter().for_each(|warning| run.warn(warning));
+    if stable.report.head_markers_chosen {
+        run.say(&format!("head markers chosen: {}", stable.report.head_markers.join(", ")));
+    }
     if let serde_json::Value::Object(results) = serde_json::to_value(&stable.report)? {
         results.into_iter().for_each(|(key, value)| run.result(&key, value));
     }

@@ -95,6 +95,15 @@ impl Arguments {
                 bail!("{}: does not end in .{ending}\n  to do: give {option} such a name", path.display());
             }
         }
+        if let Some(other) = [".c3d", ".trc", ".png"]
+            .into_iter()
+            .find(|ending| self.out.to_string_lossy().to_lowercase().ends_with(ending))
+        {
+            bail!(
+                "{}: --out writes trajectories-3d as JSON Lines, not {other}\n  to do: name it .jsonl; --c3d, --trc and --picture write the others",
+                self.out.display()
+            );
+        }
         if artifact::is_standard_stream(&self.out) {
             if self.c3d.is_some() || self.trc.is_some() {
                 bail!(

@@ -11,6 +11,9 @@ use stage::Run;
 use std::path::Path;
 use triangulate::{Outcome, Triangulator};
 
+/// Frames without anything to each one that has something: more are a mistake.
+const MOST_GAPS: u64 = 100;
+
 pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let params = arguments.params();
     params.check()?;
@@ -38,6 +41,9 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let mut output = Output::create(&arguments.out, &header)?;
     let outcome = through(run, &arguments, tracks, sync, work, &mut output)?;
     let (trajectories, extent) = output.finish()?;
+    if arguments.c3d.is_some() || arguments.trc.is_some() {
+        check_gaps(&arguments.tracks, extent)?;
+    }
     let mut staged = Vec::new();
     for path in [&arguments.c3d, &arguments.trc].into_iter().flatten() {
         staged.push(run.timed("write", || export(path, &trajectories, &header, extent))?);
@@ -97,6 +103,21 @@ impl Output {
     fn finish(self) -> anyhow::Result<(Staged, Extent)> {
         Ok((self.writer.finish()?, self.extent.unwrap_or(Extent { first: 0, last: 0, count: 0 })))
     }
+}
+
+/// Refuses tracks with gaps that would fill the disk: C3D and TRC hold every frame from the first to the last.
+fn check_gaps(tracks: &Path, extent: Extent) -> anyhow::Result<()> {
+    let all = extent.last.abs_diff(extent.first) + 1;
+    if all > MOST_GAPS * extent.count as u64 + MOST_GAPS {
+        bail!(
+            "{}: has {} frames between {} and {}; C3D and TRC would hold {all}\n  to do: correct the frame numbers, or leave --c3d and --trc out",
+            tracks.display(),
+            extent.count,
+            extent.first,
+            extent.last
+        );
+    }
+    Ok(())
 }
 
 /// The same in another format. These count frames in their header, so they are made when all are written: from the
