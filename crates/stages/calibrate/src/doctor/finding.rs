@@ -112,7 +112,7 @@ impl Kind {
                 "calibrate its lens again with the zoom and the focus of the footage, and tape them"
             }
             Self::Late => {
-                "run capture-sync check; shift its frames by that number, or track it from images in step"
+                "run capture-sync again with --late, by so many of its frames (a camera that is early here takes its images late), and track again"
             }
             Self::Unexplained => "look at its footage: other faults than these, or several at once",
             Self::Length => "check the size of the board's squares or the stated length",
