@@ -90,6 +90,9 @@ const CALLS: &[(&str, &[&str])] = &[
         "calibrate",
         &["convert", DOCUMENT, "--from", "opencv", "--to", "furrow", "--unit", "mm", "--out", "out.json"],
     ),
+    ("calibrate", &["wand", STREAM, "--scale", "800", "--out", "out.json"]),
+    ("calibrate", &["doctor", DOCUMENT, "--tracks", STREAM]),
+    ("marker-track", &["label", "missing-input.csv", "--out", "out.json"]),
     // `house new-stage` adds here
 ];
 

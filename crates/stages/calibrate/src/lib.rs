@@ -13,7 +13,7 @@
 //! let header = CornersHeader { board, cameras: [("m1".to_string(), [656, 490])].into(), take: None };
 //! let unseen = CornersFrame { frame: 0, seen: Default::default() };
 //! let refused = calibrate_board(&Corners { header, frames: vec![unseen] }, &Params::default());
-//! assert!(matches!(refused, Err(Error::FewViews { views: 0, .. })));
+//! assert!(matches!(refused, Err(Error::NothingSeen)));
 //! ```
 
 pub mod bundle;
