@@ -14,6 +14,8 @@ const SEVERAL: f64 = 1.3;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Dot {
     pub(crate) spot: Spot,
+    /// The largest share of paint of its pixels.
+    pub(crate) peak: f64,
     /// The patch that it was found in.
     pub(crate) blob: usize,
     /// Whether the patch holds other dots too.
@@ -31,6 +33,7 @@ pub(crate) fn dots(
     for (blob, patch) in patches.iter().enumerate() {
         let Some(patch) = patch else { continue };
         let Some(whole) = patch.spot() else { continue };
+        let peak = found[blob].peak;
         let expected: Vec<Spot> = predictions
             .iter()
             .flatten()
@@ -46,9 +49,9 @@ pub(crate) fn dots(
         let largest = expected.iter().map(|spot| spot.area).fold(0.0, f64::max);
         if expected.len() >= 2 && whole.area > SEVERAL * largest {
             let parts = patch.share(&expected).into_iter().flatten();
-            all.extend(parts.map(|spot| Dot { spot, blob, shared: true }));
+            all.extend(parts.map(|spot| Dot { spot, peak, blob, shared: true }));
         } else {
-            all.push(Dot { spot: whole, blob, shared: false });
+            all.push(Dot { spot: whole, peak, blob, shared: false });
         }
     }
     all

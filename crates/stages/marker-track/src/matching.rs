@@ -15,6 +15,10 @@ const AREA_WEIGHT: f64 = 1.5;
 /// A dot is not larger than its usual area by more than this.
 const LARGEST: f64 = 2.5;
 
+/// A dot that is followed, and one that comes back, is not paler than its usual self by more than this: the rims of other paints
+/// are.
+const PALEST: [f64; 2] = [0.55, 0.7];
+
 /// The dots, and who got which.
 pub(crate) struct Matches {
     pub(crate) dots: Vec<Dot>,
@@ -68,9 +72,10 @@ pub(crate) fn match_lost(
 /// What it costs to take a dot for a marker's, `off` gates from where it should be; none where it cannot be.
 fn cost(track: &Track, dot: &Dot, off: f64, params: &Params) -> Option<f64> {
     let share = dot.spot.area / track.area.unwrap_or(dot.spot.area);
-    (params.least_share..=LARGEST)
-        .contains(&share)
-        .then(|| AT_GATE * off * off + AREA_WEIGHT * share.ln().powi(2))
+    let palest = PALEST[usize::from(track.hidden > 0.0)];
+    let is_dark = track.peak.is_none_or(|usual| dot.peak >= palest * usual);
+    let fits = is_dark && (params.least_share..=LARGEST).contains(&share);
+    fits.then(|| AT_GATE * off * off + AREA_WEIGHT * share.ln().powi(2))
 }
 
 /// Assigns dots to tracks. The `guards` stand for dots that no marker had in the image before: they take part, lest a marker that

@@ -32,6 +32,8 @@ pub(crate) struct Track {
     velocity: [f64; 2],
     /// Its usual area, px².
     pub(crate) area: Option<f64>,
+    /// The largest share of paint that its pixels usually have.
+    pub(crate) peak: Option<f64>,
     /// Its area when it was last seen, px².
     last_area: Option<f64>,
     /// Frames since it was last seen.
@@ -136,6 +138,7 @@ impl Track {
             let whole = (WHOLE[0]..=WHOLE[1]).contains(&share);
             let rate = AREA_RATES[usize::from(!whole)];
             self.area = Some(self.area.map_or(dot.spot.area, |usual| usual + rate * (dot.spot.area - usual)));
+            self.peak = Some(self.peak.map_or(dot.peak, |usual| usual + rate * (dot.peak - usual)));
         }
         (self.alive, self.at, self.hidden) = (true, at, 0.0);
         self.last_area = Some(dot.spot.area);
