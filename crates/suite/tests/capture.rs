@@ -1,6 +1,11 @@
 //! From footage to markers, as a user runs it: `tools/capture` on the take of the golden chain, and on the recorded session of
 //! four webcams.
-#![allow(clippy::expect_used, clippy::panic, clippy::disallowed_methods, reason = "a test fails by panicking")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::disallowed_methods,
+    reason = "a test fails by panicking"
+)]
 
 mod support;
 
@@ -27,7 +32,8 @@ fn take(folder: &Path) {
         std::fs::create_dir_all(target.parent().expect("its folder")).expect("a folder");
         std::fs::copy(rig.join("take").join(&file), target).expect("a copy");
     }
-    std::fs::copy(rig.join("truth/cameras-calibrated.json"), folder.join("take/cameras.json")).expect("a copy");
+    std::fs::copy(rig.join("truth/cameras-calibrated.json"), folder.join("take/cameras.json"))
+        .expect("a copy");
 }
 
 #[test]
@@ -38,7 +44,15 @@ fn footage_becomes_markers_a_table_and_pictures() {
         let done = capture(folder.path(), &["take", "out", "--head-markers", "head_*"]);
         assert_eq!(done.code, Some(0), "round {round}: {}", done.stderr);
     }
-    for name in ["head.jsonl", "pose.jsonl", "markers.c3d", "markers.trc", "markers.png", "tracks.png", "tracks/m1/001001.png"] {
+    for name in [
+        "head.jsonl",
+        "pose.jsonl",
+        "markers.c3d",
+        "markers.trc",
+        "markers.png",
+        "tracks.png",
+        "tracks/m1/001001.png",
+    ] {
         assert!(folder.path().join("out").join(name).exists(), "{name} is missing");
     }
     let report = std::fs::read_to_string(folder.path().join("out/report.txt")).expect("a report");
@@ -80,7 +94,8 @@ fn four_webcams_are_calibrated_from_their_own_footage() {
     assert_eq!(made.code, Some(0), "{}", made.stderr);
     let done = capture(folder.path(), &["take", "out"]);
     assert_eq!(done.code, Some(0), "{}", done.stderr);
-    let cameras = std::fs::read_to_string(folder.path().join("out/cameras.json.prov.json")).expect("a side-car");
+    let cameras =
+        std::fs::read_to_string(folder.path().join("out/cameras.json.prov.json")).expect("a side-car");
     let side_car: serde_json::Value = serde_json::from_str(&cameras).expect("JSON");
     let rms = side_car["data"]["results"]["rms_px"].as_f64().expect("a number");
     // Half a pixel is what corners of a moved board in webcams' compressed images have.

@@ -65,14 +65,18 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         folder: "02-marker-track",
-        calls: &["marker-track track --take 00-virtual-rig/take/take.json --sync 01-capture-sync/sync.jsonl \
-             --labels 00-virtual-rig/take/labels.json --out 02-marker-track/tracks.jsonl"],
+        calls: &[
+            "marker-track track --take 00-virtual-rig/take/take.json --sync 01-capture-sync/sync.jsonl \
+             --labels 00-virtual-rig/take/labels.json --out 02-marker-track/tracks.jsonl",
+        ],
         artifacts: &[("tracks.jsonl", Numbers(EXACT_PX))],
     },
     Stage {
         folder: "03-calibrate",
-        calls: &["calibrate refine --cameras 00-virtual-rig/truth/cameras-calibrated.json --tracks 02-marker-track/tracks.jsonl \
-             --free pose --out 03-calibrate/cameras.json"],
+        calls: &[
+            "calibrate refine --cameras 00-virtual-rig/truth/cameras-calibrated.json --tracks 02-marker-track/tracks.jsonl \
+             --free pose --out 03-calibrate/cameras.json",
+        ],
         artifacts: &[("cameras.json", Numbers(ADJUSTED))],
     },
     Stage {

@@ -42,7 +42,10 @@ pub(crate) fn binaries() -> &'static [(String, PathBuf)] {
         let stages = stages();
         let mut asked = vec!["test", "--workspace", "--no-run", "--quiet", "--message-format=json"];
         if cfg!(feature = "video") {
-            asked.extend(["--features", "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video,suite/video"]);
+            asked.extend([
+                "--features",
+                "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video,suite/video",
+            ]);
         }
         let built = cargo(&asked);
         let messages = built.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
