@@ -4,6 +4,7 @@ What a take shows is measured here, by code of its own, and compared with what t
 is perturbed here by known amounts. The rig never marks its own work.
 """
 
+import hashlib
 import json
 import math
 import subprocess
