@@ -43,7 +43,18 @@ fn footage_becomes_markers_a_table_and_pictures() {
     for round in 0..2 {
         let done = capture(folder.path(), &["take", "out", "--head-markers", "head_*"]);
         assert_eq!(done.code, Some(0), "round {round}: {}", done.stderr);
+        let notes = folder.path().join("out/notes.txt");
+        assert_eq!(notes.exists(), round > 0, "round {round}");
+        std::fs::write(notes, "mine").expect("a file");
     }
+    // What a run did not make is not its to remove, and what it did make cannot be given to the next one.
+    let again = capture(folder.path(), &["take", "out", "--cameras", "out/cameras.json"]);
+    assert!(
+        again.code == Some(1) && again.stderr.contains("put it beside the take first"),
+        "{}",
+        again.stderr
+    );
+    assert!(folder.path().join("out/notes.txt").exists() && folder.path().join("out/cameras.json").exists());
     for name in [
         "head.jsonl",
         "pose.jsonl",

@@ -1,6 +1,7 @@
 //! What is kept of an image to find its time: its light, a coarse picture, a fingerprint.
 
-use std::sync::OnceLock;
+use artifact::Transfer;
+use std::sync::LazyLock;
 
 /// Columns and rows of the coarse picture.
 const GRID: [usize; 2] = [16, 12];
@@ -26,7 +27,6 @@ impl Reading {
     #[must_use]
     pub fn of(width: usize, height: usize, rgb: &[u8]) -> Self {
         assert_eq!(rgb.len(), 3 * width * height, "an image has 3 × width × height values");
-        let linear = linear_table();
         let (mut light, mut fingerprint) = (0.0, 0xcbf2_9ce4_8422_2325_u64);
         let (mut sums, mut counts) = (vec![0_u64; CELL_COUNT], vec![0_u64; CELL_COUNT]);
         for (row, pixels) in rgb.chunks_exact((3 * width).max(1)).enumerate() {
@@ -35,7 +35,7 @@ impl Reading {
                 let cell = first + column * GRID[0] / width;
                 sums[cell] += pixel.iter().map(|&code| u64::from(code)).sum::<u64>();
                 counts[cell] += 3;
-                light += f64::from(linear[usize::from(pixel[1])]);
+                light += LINEAR[usize::from(pixel[1])];
                 let word = u64::from(pixel[0]) | u64::from(pixel[1]) << 8 | u64::from(pixel[2]) << 16;
                 // FNV-1a, a pixel at a time.
                 fingerprint = (fingerprint ^ word).wrapping_mul(0x0100_0000_01b3);
@@ -55,12 +55,4 @@ impl Reading {
 }
 
 /// Light of each 8-bit code by sRGB's curve: exact for sRGB, near enough for its kin to see a flash.
-fn linear_table() -> &'static [f32; 256] {
-    static TABLE: OnceLock<[f32; 256]> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        std::array::from_fn(|code| {
-            let code = code as f32 / 255.0;
-            if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
-        })
-    })
-}
+static LINEAR: LazyLock<[f64; 256]> = LazyLock::new(|| Transfer::Srgb.light_of_codes());

@@ -7,7 +7,7 @@ mod scene;
 use artifact::{Sample2d, TrackState, Tracks2dFrame, Transfer};
 use marker_track::{Error, Hint, Params, Picture, Tracker, detect, name_strays};
 use nalgebra::Point2;
-use scene::{Dot, Look, SIZE, SKIN, draw, draw_on, grid, labels, names};
+use scene::{Dot, Look, PAINT, SIZE, SKIN, draw, draw_on, grid, labels, names};
 
 fn picture(rgb: &[u8]) -> Picture<'_> {
     Picture::new(SIZE[0], SIZE[1], rgb).unwrap()
@@ -198,6 +198,27 @@ fn a_hidden_marker_goes_with_its_neighbours_and_comes_back() {
             }
         }
     }
+}
+
+#[test]
+fn a_pale_patch_is_no_hidden_marker() {
+    let dots = grid();
+    let mut tracker = start(&dots, Look::default());
+    let hidden = dots[5];
+    let pale: [f64; 3] = std::array::from_fn(|c| 0.45 * SKIN[c] + 0.55 * PAINT[c]);
+    let ground = |x: usize, y: usize| {
+        let beside = (x as f64 - hidden.at[0] - 2.0).hypot(y as f64 - hidden.at[1]);
+        if beside <= hidden.radius + 0.5 { pale } else { SKIN }
+    };
+    let shown: Vec<Dot> = dots.iter().enumerate().filter(|(i, _)| *i != 5).map(|(_, dot)| *dot).collect();
+    for step in 1..4u64 {
+        let look = Look { seed: step, ..Look::default() };
+        let image = if step == 1 { draw(&shown, look) } else { draw_on(&shown, look, ground) };
+        let samples = tracker.step(&picture(&image), 1.0, None).unwrap();
+        assert_eq!(samples[5].unwrap().state, TrackState::Predicted, "step {step}");
+    }
+    let samples = tracker.step(&picture(&draw(&dots, Look::default())), 1.0, None).unwrap();
+    assert_eq!(samples[5].unwrap().state, TrackState::Seen, "the dot itself comes back");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 pub(crate) const SIZE: [usize; 2] = [160, 120];
 pub(crate) const SKIN: [f64; 3] = [0.42, 0.27, 0.2];
-const PAINT: [f64; 3] = [0.012, 0.045, 0.24];
+pub(crate) const PAINT: [f64; 3] = [0.012, 0.045, 0.24];
 const SAMPLES: usize = 8;
 /// Standard deviation of the blur, px.
 const BLUR: f64 = 0.7;

@@ -1,7 +1,7 @@
 //! The picture of a take: reprojection error of every camera over time, and what every marker was in each frame.
 
-use super::canvas::{Canvas, Color};
 use artifact::Staged;
+use artifact::canvas::{Canvas, Color};
 use std::path::Path;
 use triangulate::{Column, Report, STATES, Timeline};
 
@@ -65,7 +65,7 @@ pub(crate) fn write(
         }
         y += ROW;
     }
-    Ok(artifact::picture::write_rgb8(path, canvas.width, canvas.height, &canvas.pixels)?)
+    Ok(artifact::picture::write_rgb8(path, canvas.width, canvas.height, &canvas.rgb)?)
 }
 
 /// Where a column stands, and how wide it is.

@@ -1,7 +1,6 @@
 //! The binary's parts: arguments, the run that ties them together, the table, the picture.
 
 mod arguments;
-mod canvas;
 mod chart;
 mod run;
 mod sync;
