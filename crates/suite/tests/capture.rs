@@ -99,7 +99,7 @@ fn what_is_missing_is_named() {
 #[cfg(feature = "video")]
 #[test]
 fn four_webcams_are_calibrated_from_their_own_footage() {
-    let Some(data) = support::data("multicam_caliscope_4cam") else { return };
+    let Some(data) = testkit::data("multicam_caliscope_4cam") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let made = said(Command::new(tool("board-take")).arg(data).arg(folder.path().join("take")));
     assert_eq!(made.code, Some(0), "{}", made.stderr);

@@ -11,7 +11,7 @@ mod support;
 
 use serde_json::{Value, json};
 use std::path::Path;
-use support::{call, data, summary};
+use support::{call, summary};
 
 /// Writes handles for a mesh by hand: four vertices, two frames.
 fn write_handles(folder: &Path, mesh: &str, name: &str) {
@@ -50,7 +50,7 @@ fn hash_of(inputs: &Value) -> String {
 
 #[test]
 fn a_dirty_scan_is_refused_by_name_joined_or_mended() {
-    let Some(scan) = data("head_meshmonk_demoface/DemoFace_10K.obj") else { return };
+    let Some(scan) = testkit::data("head_meshmonk_demoface/DemoFace_10K.obj") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     std::fs::copy(scan, path.join("face.obj")).expect("a copy");
@@ -81,7 +81,7 @@ fn a_dirty_scan_is_refused_by_name_joined_or_mended() {
 /// Around frames 819 to 862 three labels of the singer's eyes are mixed up.
 #[test]
 fn mixed_up_labels_of_a_recorded_take_are_warned_about_by_name() {
-    let Some(take) = data("c3d/Facial-Sing_frames0001-1500.c3d") else { return };
+    let Some(take) = testkit::data("c3d/Facial-Sing_frames0001-1500.c3d") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let line = format!(
         "stabilize --markers {} --head-markers root-* --out head.jsonl --pose pose.jsonl",

@@ -6,7 +6,7 @@ mod marker_support;
 
 use artifact::c3d::{self, C3d, Storage};
 use artifact::{Error, Rate, Trajectories, Trajectories3d, Unit};
-use marker_support::{any_trajectories, data, small, trajectories, without_gaps, written};
+use marker_support::{any_trajectories, small, trajectories, without_gaps, written};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -44,7 +44,10 @@ fn missing(trajectories: &Trajectories, marker: &str) -> usize {
 
 #[test]
 fn integer_and_real_of_one_take_are_equal() {
-    let (Some(integer), Some(real)) = (data("c3d/Eb015pi.c3d"), data("c3d/Eb015pr.c3d")) else { return };
+    let (Some(integer), Some(real)) = (testkit::data("c3d/Eb015pi.c3d"), testkit::data("c3d/Eb015pr.c3d"))
+    else {
+        return;
+    };
     let (integer, real) = (c3d::read(&integer, None).unwrap(), c3d::read(&real, Some(Unit::Mm)).unwrap());
     assert_eq!((integer.storage, real.storage), (Storage::Integer, Storage::Real));
     assert_eq!(integer.trajectories, real.trajectories);
@@ -59,7 +62,7 @@ fn integer_and_real_of_one_take_are_equal() {
 /// Intel, DEC and SGI, as integers and as reals: six files of one take.
 #[test]
 fn all_six_encodings_of_one_take_are_equal() {
-    let Some(path) = data("c3d/Eb015pi.c3d") else { return };
+    let Some(path) = testkit::data("c3d/Eb015pi.c3d") else { return };
     let intel = c3d::read(&path, None).unwrap();
     for (file, storage) in [
         ("pr", Storage::Real),
@@ -68,7 +71,7 @@ fn all_six_encodings_of_one_take_are_equal() {
         ("vi", Storage::Integer),
         ("vr", Storage::Real),
     ] {
-        let read = c3d::read(&data(&format!("c3d/Eb015{file}.c3d")).unwrap(), None).unwrap();
+        let read = c3d::read(&testkit::data(&format!("c3d/Eb015{file}.c3d")).unwrap(), None).unwrap();
         assert_eq!((read.storage, read.unit), (storage, intel.unit), "{file}");
         assert_eq!(read.trajectories, intel.trajectories, "{file}");
         assert_eq!(read.warnings, intel.warnings, "{file}");
@@ -86,7 +89,7 @@ fn an_unknown_processor_is_refused_by_name() {
 
 #[test]
 fn a_malformed_face_take_is_read_with_a_warning() {
-    let Some(path) = data("c3d/Facial-Sing_frames0001-1500.c3d") else { return };
+    let Some(path) = testkit::data("c3d/Facial-Sing_frames0001-1500.c3d") else { return };
     let (take, warnings) = artifact::read_trajectories::<Trajectories3d>(&path, None).unwrap();
     assert_eq!((take.header.markers.len(), take.frames.len()), (38, 1500));
     assert_eq!(take.header.rate, Some(Rate::per_second(100)));
@@ -101,7 +104,7 @@ fn a_malformed_face_take_is_read_with_a_warning() {
 
 #[test]
 fn a_malformed_body_take_is_read_with_a_warning() {
-    let Some(path) = data("c3d/mocap36_optitrack.c3d") else { return };
+    let Some(path) = testkit::data("c3d/mocap36_optitrack.c3d") else { return };
     let read = c3d::read(&path, None).unwrap();
     let take = &read.trajectories;
     assert_eq!((take.header.markers.len(), take.frames.len()), (36, 1380));
@@ -113,7 +116,7 @@ fn a_malformed_body_take_is_read_with_a_warning() {
 #[test]
 fn real_takes_come_back_unchanged() {
     for name in ["Eb015pi.c3d", "Facial-Sing_frames0001-1500.c3d", "mocap36_optitrack.c3d"] {
-        let Some(path) = data(&format!("c3d/{name}")) else { return };
+        let Some(path) = testkit::data(&format!("c3d/{name}")) else { return };
         let take = c3d::read(&path, None).unwrap().trajectories;
         let again = parse(&bytes_of(&take)).unwrap();
         assert_eq!(again.trajectories, take);

@@ -117,21 +117,9 @@ fn cameras_may_be_maps_by_name_and_matrices_lists() {
     assert_eq!(shifts, [Vector3::new(0.0, 0.0, 1000.0), Vector3::new(500.0, 0.0, 1000.0)]);
 }
 
-/// A folder of real data, or `None` with a line that says so.
-fn data(folder: &str) -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
-    let path =
-        PathBuf::from(std::env::var("FURROW_DATA").unwrap_or_else(|_| beside.to_string())).join(folder);
-    if !path.is_dir() {
-        println!("skipped: {folder} absent");
-        return None;
-    }
-    Some(path)
-}
-
 #[test]
 fn a_real_stereo_calibration_has_a_coefficient_too_many() {
-    let Some(folder) = data("stereo_opencv_chessboard") else { return };
+    let Some(folder) = testkit::data("stereo_opencv_chessboard") else { return };
     let stated = Stated { unit: Unit::Cm, image_size: Some([640, 480]) };
     let files = ["intrinsics.yml", "extrinsics.yml"].map(|name| folder.join(name));
     says(
@@ -159,7 +147,7 @@ fn a_real_stereo_calibration_has_a_coefficient_too_many() {
 
 #[test]
 fn a_real_session_of_caliscope_fits_its_points() {
-    let Some(folder) = data("multicam_caliscope_4cam") else { return };
+    let Some(folder) = testkit::data("multicam_caliscope_4cam") else { return };
     let files = [folder.join("camera_array.toml")];
     let (rig, _) = read_cameras(&files, CameraFormat::Anipose, &METRES).unwrap();
     assert_eq!(rig.cameras.keys().collect::<Vec<_>>(), ["cam_0", "cam_1", "cam_2", "cam_3"]);

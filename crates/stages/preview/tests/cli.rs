@@ -196,15 +196,8 @@ fn refusals_name_the_file_and_leave_nothing() {
 }
 
 #[test]
-#[allow(clippy::disallowed_methods, reason = "a test asks where its data is")]
 fn a_real_head_fills_its_picture() {
-    let data = std::env::var("FURROW_DATA")
-        .unwrap_or(format!("{}/../../../../shared/data", env!("CARGO_MANIFEST_DIR")));
-    let head = Path::new(&data).join("ict_facekit_dev/jaw_open.obj");
-    if !head.exists() {
-        println!("skipped: {} absent", head.display());
-        return;
-    }
+    let Some(head) = testkit::data("ict_facekit_dev/jaw_open.obj") else { return };
     let folder = tempfile::tempdir().unwrap();
     let mut command = preview(folder.path());
     command

@@ -11,23 +11,10 @@ mod scene;
 use nalgebra::{Point3, Vector3};
 use rbf_warp::{Degree, Inverse, InvertParams, RbfMap, fit_interpolant};
 use scene::*;
-use std::path::PathBuf;
-
-/// A folder of real data, or `None` with a line that says so.
-fn data(folder: &str) -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data");
-    let root = std::env::var("FURROW_DATA").unwrap_or_else(|_| beside.to_string());
-    let path = PathBuf::from(root).join(folder);
-    if !path.is_dir() {
-        println!("skipped: {folder} absent");
-        return None;
-    }
-    Some(path)
-}
 
 /// Two frames of the 41 AnimFace markers, mm.
 fn animface() -> Option<(Points, Points)> {
-    let text = std::fs::read_to_string(data("face_markers_animface")?.join("jaw.csv")).unwrap();
+    let text = std::fs::read_to_string(testkit::data("face_markers_animface")?.join("jaw.csv")).unwrap();
     let frame = |row: usize| -> Points {
         let numbers: Vec<f64> =
             text.lines().nth(row + 1).unwrap().split(',').map(|x| x.parse().unwrap()).collect();
@@ -38,7 +25,7 @@ fn animface() -> Option<(Points, Points)> {
 
 /// The 90 markers on the neutral scan, on another expression, and the neutral scan itself, mm.
 fn ict(expression: &str) -> Option<(Points, Points, Points)> {
-    let folder = data("ict_facekit_dev")?;
+    let folder = testkit::data("ict_facekit_dev")?;
     let about = std::fs::read_to_string(folder.join("sequence.json")).unwrap();
     let about: serde_json::Value = serde_json::from_str(&about).unwrap();
     let markers: Vec<usize> =

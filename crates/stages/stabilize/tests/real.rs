@@ -7,22 +7,9 @@ use artifact::{MarkerFrame, MarkerHeader, Rate, SampleStatus, Trajectories, Unit
 use nalgebra::{Isometry3, Point3};
 use scene::{largest_difference, moved, nodding};
 use stabilize::{Params, stabilize};
-use std::path::PathBuf;
 
 /// What the stage promises.
 const INVARIANCE_MM: f64 = 0.02;
-
-/// A file of the data folder, or nothing, said by name.
-#[allow(clippy::disallowed_methods, reason = "tests find and read recorded data")]
-fn data(name: &str) -> Option<Vec<u8>> {
-    let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../../shared/data");
-    let folder = std::env::var("FURROW_DATA").map_or(beside, PathBuf::from);
-    if !folder.is_dir() {
-        println!("skipped: {} absent", folder.display());
-        return None;
-    }
-    Some(std::fs::read(folder.join(name)).unwrap())
-}
 
 fn take(markers: Vec<String>, rate: u32, rows: Vec<Vec<Option<Point3<f64>>>>) -> Trajectories {
     let frame = |(number, points): (i64, Vec<Option<Point3<f64>>>)| MarkerFrame {
@@ -37,7 +24,7 @@ fn take(markers: Vec<String>, rate: u32, rows: Vec<Vec<Option<Point3<f64>>>>) ->
 
 /// The singer: just enough of C3D for this file (little-endian, real), independent of the project's reader.
 fn singer() -> Option<Trajectories> {
-    let bytes = data("c3d/Facial-Sing_frames0001-1500.c3d")?;
+    let bytes = artifact::read_bytes(&testkit::data("c3d/Facial-Sing_frames0001-1500.c3d")?).unwrap();
     let word = |at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
     let real = |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()));
     let (count, frame_count, start) = (word(2), word(8) + 1 - word(6), (word(16) - 1) * 512);
@@ -59,7 +46,7 @@ fn singer() -> Option<Trajectories> {
 
 /// AnimFace (Miguel Ramos Carretero, CC BY-SA 4.0): centimetres, 60 Hz.
 fn animface(name: &str) -> Option<Trajectories> {
-    let text = String::from_utf8(data(&format!("face_markers_animface/{name}.csv"))?).unwrap();
+    let text = artifact::read_text(&testkit::data(&format!("face_markers_animface/{name}.csv"))?).unwrap();
     let mut lines = text.lines();
     let columns: Vec<&str> = lines.next().unwrap().split(',').skip(1).collect();
     let markers = columns.chunks(3).map(|c| c[0].trim_end_matches("_x").to_string()).collect();

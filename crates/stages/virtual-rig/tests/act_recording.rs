@@ -2,7 +2,6 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "helpers of tests may fail like tests")]
 
-use std::path::{Path, PathBuf};
 use virtual_rig::act::{Clip, ClipParams};
 use virtual_rig::body::MUSCLES;
 
@@ -25,26 +24,9 @@ fn index(name: &str) -> usize {
     MUSCLES.iter().position(|muscle| *muscle == name).expect(name)
 }
 
-/// A file of the data folder, or `None` with a line that says so.
-#[allow(
-    clippy::disallowed_methods,
-    clippy::print_stdout,
-    reason = "a test says which data it looked for in vain"
-)]
-fn data(file: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let folder = std::env::var("FURROW_DATA").map_or_else(|_| root.join("../shared/data"), PathBuf::from);
-    let path = folder.join(file);
-    if !path.exists() {
-        println!("skipped: {} absent", path.display());
-        return None;
-    }
-    Some(path)
-}
-
 #[test]
 fn a_real_recording_plays() {
-    let Some(path) = data("arkit_performance/alex_rom_3.csv") else { return };
+    let Some(path) = testkit::data("arkit_performance/alex_rom_3.csv") else { return };
     let clip = Clip::parse(&artifact::read_text(&path).expect("text")).expect("a recording");
     assert_eq!((clip.times_s.len(), clip.names.len()), (4030, 61));
     let interval = clip.length_s() / 4029.0;

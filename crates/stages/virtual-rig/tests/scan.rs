@@ -15,23 +15,6 @@ use virtual_rig::body::scan::{Notes, Scan, scan};
 use virtual_rig::body::texture::Texture;
 use virtual_rig::wrinkle::{Params, Style, Wrinkles, lines};
 
-/// A file of the data folder, or `None` with a line that says so.
-#[allow(
-    clippy::disallowed_methods,
-    clippy::print_stdout,
-    reason = "a test says which data it looked for in vain"
-)]
-fn data(file: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let folder = std::env::var("FURROW_DATA").map_or_else(|_| root.join("../shared/data"), PathBuf::from);
-    let path = folder.join(file);
-    if !path.exists() {
-        println!("skipped: {} absent", path.display());
-        return None;
-    }
-    Some(path)
-}
-
 fn fixture(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../fixtures").join(file)
 }
@@ -41,7 +24,7 @@ fn landmarks(folder: &str, unit: Unit) -> Vec<Pick> {
 }
 
 fn perry_smith() -> Option<Mesh> {
-    Some(obj::read(&data("head_lee_perry_smith/LeePerrySmith.obj")?, Unit::M).expect("the scan"))
+    Some(obj::read(&testkit::data("head_lee_perry_smith/LeePerrySmith.obj")?, Unit::M).expect("the scan"))
 }
 
 fn act_ready(head: &Mesh, texture: Option<&Texture>, levels: usize) -> Scan {
@@ -127,7 +110,7 @@ fn two_levels_keep_the_scan_whole() {
 #[test]
 fn its_picture_colours_it() {
     let Some(head) = perry_smith() else { return };
-    let Some(picture) = data("head_lee_perry_smith/Map-COL.jpg") else { return };
+    let Some(picture) = testkit::data("head_lee_perry_smith/Map-COL.jpg") else { return };
     let bytes = artifact::read_bytes(&picture).expect("the picture");
     let picture = image::load_from_memory(&bytes).expect("a JPEG").to_rgb8();
     let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -211,7 +194,7 @@ fn mouth_line(s: f64) -> f64 {
 
 fn facekit(names: &[&str], levels: usize) -> Option<(Mesh, ExpressionSet)> {
     let read = |name: &str| {
-        let path = data(&format!("ict_facekit_dev/{name}.obj"))?;
+        let path = testkit::data(&format!("ict_facekit_dev/{name}.obj"))?;
         Some(obj::read(&path, Unit::Cm).expect("an expression"))
     };
     let neutral = read("neutral")?;

@@ -122,14 +122,3 @@ pub(crate) fn names(folder: &Path) -> Vec<String> {
     names.sort();
     names
 }
-
-/// A file of the data folder; none, with a line that says so, where it is absent.
-pub(crate) fn data(name: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let path = std::env::var_os("FURROW_DATA").map_or_else(beside, PathBuf::from).join(name);
-    if !path.exists() {
-        println!("skipped: {} absent", path.display());
-        return None;
-    }
-    Some(path.canonicalize().expect("a path"))
-}

@@ -5,21 +5,7 @@
 use artifact::{MarkerFrame, MarkerHeader, Rate, Result, SampleStatus, Staged, Trajectories, Unit};
 use nalgebra::Point3;
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
-
-/// A file of the shared data, or `None` (said by name) where there is none.
-#[allow(clippy::disallowed_methods, reason = "tests find their data by the environment")]
-pub(crate) fn data(name: &str) -> Option<PathBuf> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let folder =
-        std::env::var("FURROW_DATA").map_or_else(|_| root.join("../shared/data"), |data| root.join(data));
-    let path = folder.join(name);
-    if !path.exists() {
-        println!("skipped: {} absent", folder.display());
-        return None;
-    }
-    Some(path)
-}
+use std::path::Path;
 
 /// The bytes that a writer makes.
 pub(crate) fn written(name: &str, write: impl Fn(&Path) -> Result<Staged>) -> Result<Vec<u8>> {
