@@ -5,6 +5,7 @@
 //! zero, `uᵀ L u` is the Dirichlet energy); the pointwise Laplacian is `−M⁻¹ L`.
 //!
 //! - [`cotan_stiffness`], [`lumped_mass`], [`bilaplacian`]: assembly.
+//! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
 //!
@@ -25,9 +26,11 @@ mod bisection;
 mod dirichlet;
 mod factor;
 mod ordering;
+mod variation;
 
-pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass};
+pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass, weighted_cotan_stiffness};
 pub use dirichlet::{Dirichlet, Responses};
 pub use factor::{Factor, FactorError};
 pub use ordering::{NotAPermutation, Ordering};
 pub use sprs::CsMat;
+pub use variation::Variation;
