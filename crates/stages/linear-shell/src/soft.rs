@@ -40,7 +40,8 @@ impl SoftShell {
         let still: Vec<u32> = constraints.held.iter().chain(&surface.still).copied().collect();
         let keep = Keep { vertices: &constraints.handles, still: &still };
         let params = &surface.params;
-        let proxy = Proxy::of(&surface.points, &surface.triangles, params.proxy_vertices, keep);
+        let spacing = spacing(surface, &constraints.handles);
+        let proxy = Proxy::of(&surface.points, &surface.triangles, params.proxy_vertices, &spacing, keep);
         let points: Vec<Point3<f64>> =
             proxy.vertices.iter().map(|&vertex| surface.points[vertex as usize]).collect();
         let energy = energy(surface, &proxy, &points);
@@ -183,14 +184,30 @@ struct Solved {
     change: f64,
 }
 
+/// Distance from the nearest handle from which on the proxy becomes coarser, mm, …
+const NEAR_MM: f64 = 25.0;
+/// … in proportion, up to this multiple.
+const COARSEST: f64 = 4.0;
+/// At the rim of an opening, where the field turns most sharply, its edges are this share as long.
+const FINEST: f64 = 0.5;
+
+/// How long the proxy's edges should be at each vertex of the scan, in relation to the others.
+fn spacing(surface: &Surface, handles: &[u32]) -> Vec<f64> {
+    let handles: Vec<Point3<f64>> = handles.iter().map(|&vertex| surface.points[vertex as usize]).collect();
+    let loops = surface.opening_points();
+    let width = surface.params.softening_width_mm;
+    let at = |point: &Point3<f64>| {
+        let to_handle = handles.iter().map(|handle| (handle - point).norm()).fold(f64::INFINITY, f64::min);
+        let to_rim = (rims::distance(&loops, point) / width).min(1.0);
+        (to_handle / NEAR_MM).clamp(1.0, COARSEST) * (FINEST + (1.0 - FINEST) * to_rim)
+    };
+    surface.points.par_iter().map(at).collect()
+}
+
 /// The energy on the proxy, softened around the scan's openings.
 fn energy(surface: &Surface, proxy: &Proxy, points: &[Point3<f64>]) -> Variation {
     let params = &surface.params;
-    let loops: Vec<Vec<Point3<f64>>> = surface
-        .openings
-        .iter()
-        .map(|vertices| vertices.iter().map(|&vertex| surface.points[vertex as usize]).collect())
-        .collect();
+    let loops = surface.opening_points();
     let stiffness: Vec<f64> = points
         .par_iter()
         .map(|point| {

@@ -100,6 +100,12 @@ impl Surface {
         &self.survey
     }
 
+    /// The openings as closed polylines, mm.
+    pub(crate) fn opening_points(&self) -> Vec<Vec<Point3<f64>>> {
+        let at = |&vertex: &u32| self.points[vertex as usize];
+        self.openings.iter().map(|vertices| vertices.iter().map(at).collect()).collect()
+    }
+
     /// The vertices' places, mm.
     #[must_use]
     pub fn points(&self) -> &[Point3<f64>] {

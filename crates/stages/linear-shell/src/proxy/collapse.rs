@@ -68,6 +68,11 @@ impl<'a> Collapse<'a> {
         self.vertex_count
     }
 
+    /// Whether nothing has been merged.
+    pub(super) fn is_untouched(&self) -> bool {
+        self.alive.iter().all(|&alive| alive)
+    }
+
     /// Every edge of the mesh as it is now, lower end first.
     pub(super) fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
         let rising = |vertex: u32| {

@@ -27,44 +27,58 @@ pub struct Keep<'a> {
 }
 
 /// Edges shorter than this share of what the proxy aims at go even if there are few enough vertices.
-const SHORTEST: f64 = 0.2;
-/// From this distance from the kept vertices on, mm, …
-const NEAR_MM: f64 = 25.0;
-/// … edges may grow in proportion, up to this multiple.
-const LARGEST_GROWTH: f64 = 4.0;
+const SHORTEST: f64 = 0.02;
 
 impl Proxy {
     /// Shortens a mesh to about `target` vertices by half-edge collapses, shortest edges first, as far as the topology,
     /// the shape of triangles and the direction of normals allow [Hoppe1996, Sec. 3.2; DeyEdelsbrunner1999], and makes it
-    /// Delaunay by flips. Only what is far from the kept vertices becomes coarser than the rest.
+    /// Delaunay by flips. A mesh that is small enough and has no tiny edge comes back as it is.
     ///
-    /// `points`: #V, mm; `triangles`: a manifold (bow ties are let alone). Vertices without triangles are left out.
+    /// `points`: #V, mm; `triangles`: a manifold (bow ties are let alone); `spacing`: #V, how long edges should be at
+    /// each vertex, in relation to the others. Vertices without triangles are left out.
+    ///
+    /// # Panics
+    /// If there is not one spacing per vertex.
     #[must_use]
-    pub fn of(points: &[Point3<f64>], triangles: &[[u32; 3]], target: usize, keep: Keep<'_>) -> Self {
+    pub fn of(
+        points: &[Point3<f64>],
+        triangles: &[[u32; 3]],
+        target: usize,
+        spacing: &[f64],
+        keep: Keep<'_>,
+    ) -> Self {
+        assert_eq!(spacing.len(), points.len(), "one spacing per vertex");
         let mut collapse = Collapse::new(points, triangles, keep);
-        let kept: Vec<Point3<f64>> = keep.vertices.iter().map(|&vertex| points[vertex as usize]).collect();
-        let growth: Vec<f64> = points.iter().map(|point| growth(&kept, point)).collect();
         let area: f64 = mesh::triangle_areas(points, triangles).iter().sum();
         let aim = target.min(collapse.vertex_count()).max(1) as f64;
         // The side of equilateral triangles of which so many vertices cover this area.
         let side = (2.0 * area / (3f64.sqrt() * aim)).sqrt();
+        let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let cost = |a: u32, b: u32| {
             let length = (points[a as usize] - points[b as usize]).norm();
-            Candidate { cost: length / growth[a as usize].max(growth[b as usize]), length, ends: [a, b] }
+            Candidate {
+                cost: length / (0.5 * (spacing[a as usize] + spacing[b as usize])),
+                length,
+                ends: [a, b],
+            }
         };
         let mut open: BinaryHeap<Reverse<Candidate>> =
             collapse.edges().map(|[a, b]| Reverse(cost(a, b))).collect();
         while let Some(Reverse(next)) = open.pop() {
-            if collapse.vertex_count() <= target && next.cost >= SHORTEST * side {
+            let enough = collapse.vertex_count() <= target;
+            if enough && next.cost >= SHORTEST * side / finest {
                 break;
             }
-            if collapse.vertex_count() > target || next.length < SHORTEST * side {
+            if !enough || next.length < SHORTEST * side {
                 if let Some(kept) = collapse.attempt(next.ends) {
                     open.extend(collapse.neighbors(kept).into_iter().map(|other| Reverse(cost(kept, other))));
                 }
             }
         }
-        Self::from_scan(points, flip::delaunay(points, collapse.triangles()))
+        match collapse.is_untouched() {
+            true => Self::from_scan(points, triangles.to_vec()),
+            false => Self::from_scan(points, flip::delaunay(points, collapse.triangles())),
+        }
     }
 
     fn from_scan(points: &[Point3<f64>], triangles: Vec<[u32; 3]>) -> Self {
@@ -76,15 +90,6 @@ impl Proxy {
         let triangles =
             triangles.into_iter().map(|corners| corners.map(|old| renamed[old as usize])).collect();
         Self { vertices, triangles }
-    }
-}
-
-/// How many times longer edges may be here.
-fn growth(kept: &[Point3<f64>], at: &Point3<f64>) -> f64 {
-    let nearest = kept.iter().map(|point| (point - at).norm_squared()).fold(f64::INFINITY, f64::min).sqrt();
-    match nearest.is_finite() {
-        true => (nearest / NEAR_MM).clamp(1.0, LARGEST_GROWTH),
-        false => 1.0,
     }
 }
 
