@@ -37,7 +37,6 @@ mod params;
 mod prolongation;
 mod proxy;
 mod reference;
-mod rims;
 mod shell;
 mod soft;
 mod surface;

@@ -2,9 +2,9 @@
 
 use crate::prolongation::Prolongation;
 use crate::proxy::Keep;
-use crate::{Basis, Completion, Constraints, Error, Proxy, Surface, rims};
+use crate::{Basis, Completion, Constraints, Error, Proxy, Surface};
 use nalgebra::{Point3, Vector3};
-use operators::{Factor, Ordering, Variation};
+use operators::{Factor, Ordering, Variation, distance_to_loops};
 use rayon::prelude::*;
 
 /// Columns that are solved together; a fixed number, so that results do not depend on the threads.
@@ -198,7 +198,7 @@ fn spacing(surface: &Surface, handles: &[u32]) -> Vec<f64> {
     let width = surface.params.softening_width_mm;
     let at = |point: &Point3<f64>| {
         let to_handle = handles.iter().map(|handle| (handle - point).norm()).fold(f64::INFINITY, f64::min);
-        let to_rim = (rims::distance(&loops, point) / width).min(1.0);
+        let to_rim = (distance_to_loops(&loops, point) / width).min(1.0);
         (to_handle / NEAR_MM).clamp(1.0, COARSEST) * (FINEST + (1.0 - FINEST) * to_rim)
     };
     surface.points.par_iter().map(at).collect()
@@ -211,7 +211,7 @@ fn energy(surface: &Surface, proxy: &Proxy, points: &[Point3<f64>]) -> Variation
     let stiffness: Vec<f64> = points
         .par_iter()
         .map(|point| {
-            let share = rims::distance(&loops, point) / params.softening_width_mm;
+            let share = distance_to_loops(&loops, point) / params.softening_width_mm;
             1.0 - params.softening * (-share * share).exp()
         })
         .collect();

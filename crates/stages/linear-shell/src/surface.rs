@@ -1,6 +1,6 @@
 //! The surface under the shell: looked over, and its operators assembled.
 
-use crate::{BowTies, Constraints, Error, FreeComponents, Model, Params, rims};
+use crate::{BowTies, Constraints, Error, FreeComponents, Model, Params};
 use mesh::{Connectivity, Mesh};
 use nalgebra::Point3;
 use operators::{CsMat, Ordering, Slivers, bilaplacian, cotan_stiffness, lumped_mass};
@@ -67,7 +67,7 @@ impl Surface {
             Model::Paper => bilaplacian(&laplacian, &mass, params.stretching, params.bending_mm2),
             Model::SoftOpenings => bilaplacian(&laplacian, &mass, 0.0, 1.0),
         };
-        let openings = rims::openings(&around, &mesh.positions, params.smallest_opening_mm);
+        let openings = operators::openings(&around, &mesh.positions, params.smallest_opening_mm);
         let openings_mm: Vec<f64> =
             openings.iter().map(|vertices| mesh::loop_length(&mesh.positions, vertices)).collect();
         let Slivers { tempered, collapsed } = slivers;
@@ -79,7 +79,7 @@ impl Surface {
             held_components,
             tempered_triangles: tempered,
             collapsed_triangles: collapsed,
-            mouth_is_missing: rims::mouth_is_missing(&openings_mm),
+            mouth_is_missing: mouth_is_missing(&openings_mm),
             openings_mm,
         };
         Ok(Self {
@@ -171,4 +171,28 @@ fn free_parts(
         return Err(Error::FreeComponent { count: parts, vertex, vertex_count });
     }
     Ok((free, parts))
+}
+
+/// Two openings whose lengths are at least this much alike are a pair of eyes.
+const EYE_LIKENESS: f64 = 0.8;
+
+/// Whether none of the openings can be a mouth: there is none, or only a pair of eyes.
+fn mouth_is_missing(lengths_mm: &[f64]) -> bool {
+    match lengths_mm {
+        [] => true,
+        [longer, shorter] => shorter / longer >= EYE_LIKENESS,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mouth_is_missing;
+
+    #[test]
+    fn a_pair_of_eyes_is_no_mouth() {
+        assert!(mouth_is_missing(&[]) && mouth_is_missing(&[66.0, 65.0]));
+        assert!(!mouth_is_missing(&[102.0]) && !mouth_is_missing(&[102.0, 66.0]));
+        assert!(!mouth_is_missing(&[102.0, 66.0, 65.0]));
+    }
 }

@@ -8,11 +8,11 @@ use nalgebra::{Point3, Vector3};
 const RIM_SHARE: f64 = 1.0 / 3.0;
 /// … or if it reaches over more than this share (a neck and a missing top of the head are both rims).
 const SURE_RIM_SHARE: f64 = 0.5;
-/// Two openings whose lengths are at least this much alike are a pair of eyes.
-const EYE_LIKENESS: f64 = 0.8;
-
 /// The boundary loops inside the surface that are at least `smallest_mm` long, longest first; holes of scanning are shorter.
-pub(crate) fn openings(around: &Connectivity, points: &[Point3<f64>], smallest_mm: f64) -> Vec<Vec<u32>> {
+///
+/// `around`: of all triangles; `points`: #V, mm. Each loop runs in the direction of its triangles.
+#[must_use]
+pub fn openings(around: &Connectivity, points: &[Point3<f64>], smallest_mm: f64) -> Vec<Vec<u32>> {
     let (part, part_count) = around.components();
     let mut boxes = vec![Extent::default(); part_count];
     points.iter().zip(&part).for_each(|(point, &part)| boxes[part as usize].include(point));
@@ -33,17 +33,9 @@ pub(crate) fn openings(around: &Connectivity, points: &[Point3<f64>], smallest_m
     loops.into_iter().filter_map(inside).collect()
 }
 
-/// Whether none of the openings can be a mouth: there is none, or only a pair of eyes.
-pub(crate) fn mouth_is_missing(lengths_mm: &[f64]) -> bool {
-    match lengths_mm {
-        [] => true,
-        [longer, shorter] => shorter / longer >= EYE_LIKENESS,
-        _ => false,
-    }
-}
-
 /// Distance of a point from the nearest of some loops, mm; infinite without any.
-pub(crate) fn distance(loops: &[Vec<Point3<f64>>], at: &Point3<f64>) -> f64 {
+#[must_use]
+pub fn distance_to_loops(loops: &[Vec<Point3<f64>>], at: &Point3<f64>) -> f64 {
     let sides = loops.iter().flat_map(|points| points.iter().zip(points.iter().cycle().skip(1)));
     sides.map(|(a, b)| distance_to_segment(a, b, at)).fold(f64::INFINITY, f64::min)
 }
@@ -83,18 +75,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pair_of_eyes_is_no_mouth() {
-        assert!(mouth_is_missing(&[]) && mouth_is_missing(&[66.0, 65.0]));
-        assert!(!mouth_is_missing(&[102.0]) && !mouth_is_missing(&[102.0, 66.0]));
-        assert!(!mouth_is_missing(&[102.0, 66.0, 65.0]));
-    }
-
-    #[test]
     fn distances_are_to_the_sides_not_to_their_ends() {
         let square = [[0., 0., 0.], [10., 0., 0.], [10., 10., 0.], [0., 10., 0.]].map(Point3::from).to_vec();
-        assert!((distance(&[square.clone()], &Point3::new(5.0, -3.0, 4.0)) - 5.0).abs() < 1e-12);
+        assert!((distance_to_loops(&[square.clone()], &Point3::new(5.0, -3.0, 4.0)) - 5.0).abs() < 1e-12);
         // The closing side counts too.
-        assert!((distance(&[square], &Point3::new(-2.0, 5.0, 0.0)) - 2.0).abs() < 1e-12);
-        assert_eq!(distance(&[], &Point3::origin()), f64::INFINITY);
+        assert!((distance_to_loops(&[square], &Point3::new(-2.0, 5.0, 0.0)) - 2.0).abs() < 1e-12);
+        assert_eq!(distance_to_loops(&[], &Point3::origin()), f64::INFINITY);
     }
 }
