@@ -82,7 +82,7 @@ pub fn plan(mesh: &Mesh, params: &Params) -> Result<Plan, Error> {
     let (rims, frame) = face::find(&around, points, &triangles, params)?;
     let skin = skin::look(mesh, &triangles, &around, &normals, (&rims, &frame), params);
     let (frame, asymmetry_mm) = symmetry::refine(mesh, &skin.open, frame);
-    let density = density(points, &rims, params);
+    let density = density(points, &rims, &skin, params);
     let edge = mesh::edge_length_median(points, &triangles);
     let near_plane = |vertex: &u32| frame.place(&points[*vertex as usize]).x.abs() <= edge;
     let spread = Spread {
@@ -119,7 +119,7 @@ pub fn plan(mesh: &Mesh, params: &Params) -> Result<Plan, Error> {
 }
 
 /// How much a millimetre counts at each vertex.
-fn density(points: &[Point3<f64>], rims: &Rims, params: &Params) -> Vec<f64> {
+fn density(points: &[Point3<f64>], rims: &Rims, skin: &Skin, params: &Params) -> Vec<f64> {
     let line =
         |rim: &[u32]| -> Vec<Point3<f64>> { rim.iter().map(|&vertex| points[vertex as usize]).collect() };
     let (lips, lids) = ([line(&rims.mouth)], [line(&rims.eyes[0]), line(&rims.eyes[1])]);
@@ -132,7 +132,8 @@ fn density(points: &[Point3<f64>], rims: &Rims, params: &Params) -> Vec<f64> {
         let lids = (params.lid_density - 1.0) * near(&lids, point);
         1.0 + lips.max(lids)
     };
-    points.iter().map(at).collect()
+    let outskirts = skin.outskirts.iter().map(|&beside| if beside { params.outskirt_density } else { 1.0 });
+    points.iter().zip(outskirts).map(|(point, outskirts)| at(point) * outskirts).collect()
 }
 
 /// Adds a feature of the left half and its mirror image.

@@ -16,6 +16,8 @@ pub struct Params {
     pub lip_density: f64,
     /// The same near the lids.
     pub lid_density: f64,
+    /// The same at the throat, the angle of the jaw and before the ears, where skin moves little but with the rest.
+    pub outskirt_density: f64,
     /// Distance from lips and lids over which the density falls off, mm.
     pub falloff_mm: f64,
     /// Least distance between two markers, mm: closer dots merge in the images.
@@ -41,6 +43,7 @@ impl Default for Params {
             lid_points: 4,
             lip_density: 2.0,
             lid_density: 1.8,
+            outskirt_density: 0.85,
             falloff_mm: 18.0,
             least_distance_mm: 5.0,
             border_mm: 6.0,
@@ -61,6 +64,7 @@ impl Params {
         let lengths = [
             ("density near the lips", self.lip_density, 1.0),
             ("density near the lids", self.lid_density, 1.0),
+            ("density at the outskirts", self.outskirt_density, 0.1),
             ("falloff", self.falloff_mm, f64::MIN_POSITIVE),
             ("least distance", self.least_distance_mm, 0.0),
             ("distance from the border", self.border_mm, 0.0),

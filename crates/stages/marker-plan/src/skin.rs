@@ -12,8 +12,17 @@ use rayon::prelude::*;
 const HALF_WIDTH: f64 = 1.2;
 /// … how far it reaches up to the hair line, …
 const UP: f64 = 1.05;
-/// … and down over the chin.
-const DOWN: f64 = 1.95;
+/// … down over the chin, …
+const DOWN: f64 = 2.25;
+/// … and how far it reaches back, to the ears.
+const BACK: f64 = 1.0;
+/// Its outskirts begin this far back, beside the ears, …
+const BESIDE: f64 = 0.75;
+/// … and at the throat: below this height, …
+const JAW: f64 = 1.0;
+/// … where the upward part of the normal falls below this, and below all of the chin.
+const THROAT: f64 = -0.5;
+const CHIN: f64 = 1.95;
 /// Views that skin is looked at from, degrees of yaw and pitch.
 const VIEWS: [[f64; 2]; 9] = [
     [0., 0.],
@@ -39,6 +48,8 @@ pub(crate) struct Skin {
     pub(crate) open: Vec<u32>,
     /// Per vertex whether it can be seen from the front.
     pub(crate) frontal: Vec<bool>,
+    /// Per vertex whether it lies beside the face proper: at the throat, the jaw's angle, before the ears.
+    pub(crate) outskirts: Vec<bool>,
 }
 
 /// Looks at the face from several sides.
@@ -68,10 +79,11 @@ pub(crate) fn look(
     let rim = geodesic::outer_rims(around, &[&rims.mouth, &rims.eyes[0], &rims.eyes[1]]);
     let from_rim = geodesic::distances(points, triangles, &rim);
     let in_face = |vertex: usize| {
-        let [x, y]: [f64; 2] = {
-            let place = frame.place(&points[vertex]) / frame.eye_distance_mm;
-            [place.x, place.y]
-        };
+        let place = frame.place(&points[vertex]) / frame.eye_distance_mm;
+        let [x, y] = [place.x, place.y];
+        if place.z < -BACK {
+            return false;
+        }
         // An oval below, a bow above.
         let height = if y > 0.0 { y / UP } else { y / DOWN };
         (x / HALF_WIDTH).powi(4) + height.powi(4) <= 1.0
@@ -84,5 +96,12 @@ pub(crate) fn look(
         open && from_rim[at] >= params.border_mm && from_rim[at] > 0.0 && in_face(at)
     };
     let open: Vec<u32> = (0..points.len() as u32).filter(open_skin).collect();
-    Skin { open, frontal }
+    let outskirts = (0..points.len())
+        .map(|vertex| {
+            let place = frame.place(&points[vertex]) / frame.eye_distance_mm;
+            let throat = place.y < -CHIN || (place.y < -JAW && normals[vertex].y < THROAT);
+            throat || place.z < -BESIDE
+        })
+        .collect();
+    Skin { open, frontal, outskirts }
 }

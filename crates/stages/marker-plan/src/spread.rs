@@ -7,7 +7,7 @@ use crate::{Frame, Params};
 use nalgebra::{Point3, Vector3};
 
 /// Rounds of evening out.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 10;
 /// A marker nearer to the mirror plane than this share of the local spacing stands on it, …
 const MIDDLE_SHARE: f64 = 0.35;
 /// … if the line is there at least this share as far from all others.

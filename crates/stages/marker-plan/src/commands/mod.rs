@@ -50,6 +50,9 @@ pub(crate) struct Arguments {
     /// The same near the lids
     #[arg(long, value_name = "TIMES", default_value_t = Params::default().lid_density)]
     lid_density: f64,
+    /// The same at the throat, the angle of the jaw and before the ears
+    #[arg(long, value_name = "TIMES", default_value_t = Params::default().outskirt_density)]
+    outskirt_density: f64,
     /// Distance from lips and lids over which that falls off
     #[arg(long, value_name = "MM", default_value_t = Params::default().falloff_mm)]
     falloff_mm: f64,
@@ -94,6 +97,7 @@ impl Arguments {
             lid_points: self.lid_points,
             lip_density: self.lip_density,
             lid_density: self.lid_density,
+            outskirt_density: self.outskirt_density,
             falloff_mm: self.falloff_mm,
             least_distance_mm: self.least_distance_mm,
             border_mm: self.border_mm,
