@@ -84,10 +84,6 @@ struct Edge<'a> {
 impl<'a> Edge<'a> {
     fn new(scene: &'a Scene<'a>, rim: &[u32], offset_mm: f64) -> Self {
         let x = |vertex: u32| scene.frame.place(&scene.points[vertex as usize]).x;
-        let y = |vertices: &[u32]| {
-            vertices.iter().map(|&v| scene.frame.place(&scene.points[v as usize]).y).sum::<f64>()
-                / vertices.len() as f64
-        };
         let count = rim.len();
         let extreme = |sign: f64| {
             (0..count).max_by(|&a, &b| (sign * x(rim[a])).total_cmp(&(sign * x(rim[b])))).unwrap_or(0)
@@ -96,9 +92,11 @@ impl<'a> Edge<'a> {
         let walk = |from: usize, to: usize| -> Vec<u32> {
             (0..=(to + count - from) % count).map(|step| rim[(from + step) % count]).collect()
         };
-        let (one, mut other) = (walk(left, right), walk(right, left));
-        other.reverse();
-        let halves = if y(&one) > y(&other) { [one, other] } else { [other, one] };
+        // A rim runs in the direction of its triangles: clockwise around the opening as seen from outside, so from the face's
+        // left corner along the lower edge. Heights would not tell where a lid overlaps the other.
+        let (lower, mut upper) = (walk(left, right), walk(right, left));
+        upper.reverse();
+        let halves = [upper, lower];
         let inside = hidden_inside(scene, rim);
         let from_inside = geodesic::distances(scene.points, scene.triangles, &inside);
         let ring = (0..scene.points.len() as u32)
