@@ -6,6 +6,8 @@ use rayon::prelude::*;
 
 /// Singular values below this share of the largest count as zero: handles in one plane do not say how the rest moves off it.
 const RANK: f64 = 1e-6;
+/// Share of the energy from the rest pose that settles what an affine reference leaves open.
+const TIE: f64 = 1e-3;
 
 /// The affine motion that the handles make in the mean, by least squares. The shell then bends only for what is left:
 /// a take that still has the head's motion in it, or a jaw that carries half of the face along, costs no stiffness.
@@ -68,12 +70,13 @@ impl AffineReference {
         Basis::new(values, count)
     }
 
-    /// The energy as a function of the handles with this reference: `(1 − X X⁺)ᵀ S (1 − X X⁺)`.
+    /// The energy as a function of the handles with this reference: `(1 − X X⁺)ᵀ S (1 − X X⁺) + ε S`. The last term decides where
+    /// the handles that a frame shows do not determine an affine motion, as three or a flat set of them do not.
     #[must_use]
     pub fn completion(&self, completion: &Completion) -> Completion {
         let count = self.handles.nrows();
         let left = DMatrix::identity(count, count) - &self.handles * &self.fit;
-        let schur = left.transpose() * completion.schur() * left;
+        let schur = left.transpose() * completion.schur() * left + TIE * completion.schur();
         let rows: Vec<Vec<f64>> = (0..count)
             .map(|row| (0..count).map(|column| 0.5 * (schur[(row, column)] + schur[(column, row)])).collect())
             .collect();

@@ -255,11 +255,16 @@ proptest! {
         let frame = &basis.deform(&still, std::slice::from_ref(&told), 1.0)[0];
         let combined: Vec<Vector3<f64>> = frame.chunks(3).map(|d| Vector3::new(d[0], d[1], d[2]).cast()).collect();
         prop_assert!(largest(&combined, &truth) < 2e-4, "{}", largest(&combined, &truth));
-        // A marker that is missing goes along.
+        // A marker that is missing goes along, but for the thousandth that settles what is undetermined.
         let mut given: Vec<Option<Vector3<f64>>> = told.iter().copied().map(Some).collect();
         given[3] = None;
         let completed = completion.complete(&given, &[None; 16]).unwrap();
-        prop_assert!((completed[3] - told[3]).norm() < 1e-6);
+        prop_assert!((completed[3] - told[3]).norm() < 0.1);
+        // Markers of which only a flat few are seen still go somewhere sensible.
+        let few: Vec<Option<Vector3<f64>>> = told.iter().enumerate().map(|(i, &d)| (i < 3).then_some(d)).collect();
+        let largest_told = told.iter().map(|d| d.norm()).fold(0.0, f64::max);
+        let completed = completion.complete(&few, &[None; 16]).unwrap();
+        prop_assert!(completed.iter().all(|d| d.norm() < 10.0 * largest_told + 10.0));
     }
 }
 

@@ -47,6 +47,11 @@ pub enum Error {
         /// What was meant.
         what: &'static str,
     },
+    /// Two of mouth and eyes on one rim.
+    #[error(
+        "two of the vertices that name mouth and eyes are on the same rim\n  to do: pick one vertex on each of three"
+    )]
+    SharedRim,
     /// Too little skin.
     #[error(
         "only {placed} of {count} markers find a place {least_distance_mm} mm from each other\n  to do: ask for fewer, or allow \

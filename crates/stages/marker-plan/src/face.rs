@@ -63,6 +63,9 @@ pub(crate) fn find(
         }
         _ => roles(points, &openings, &lengths_mm).ok_or(Error::Openings { lengths_mm })?,
     };
+    if mouth == eyes[0] || mouth == eyes[1] || eyes[0] == eyes[1] {
+        return Err(Error::SharedRim);
+    }
     let middle = |rim: &[u32]| middle(points, rim);
     let (low, one, other) = (middle(&mouth), middle(&eyes[0]), middle(&eyes[1]));
     let origin = nalgebra::center(&one, &other);

@@ -142,8 +142,8 @@ mod tests {
         let found = distances(&mesh.positions, &triangles, &[middle]);
         for (at, distance) in found.iter().enumerate() {
             let straight = (mesh.positions[at] - mesh.positions[middle as usize]).norm();
-            // Along edges alone it would be 8 % and more.
-            assert!((distance - straight).abs() < 0.03 * straight + 0.35, "{at}: {distance} for {straight}");
+            // First order near a point source; along edges alone it would be up to 40 % too long.
+            assert!((distance - straight).abs() < 0.05 * straight + 0.35, "{at}: {distance} for {straight}");
         }
     }
 }

@@ -75,7 +75,8 @@ fn a_closed_mouth_is_refused_with_a_way_out() {
     artifact::obj::write(&folder.path().join("scan.obj"), &mesh, Unit::Mm).unwrap().publish().unwrap();
     for (words, says) in [
         ("", "mesh-clip --cut-along"),
-        ("--mouth 210 --eyes 3,4", "vertex 210 is on no boundary loop"),
+        ("--mouth 215 --eyes 3,4", "vertex 215 is on no boundary loop"),
+        ("--mouth 2 --eyes 3,4", "the same rim"),
         ("--lip-points 5", "lips may have 0, 2, 4 or 8"),
         ("--mouth 3 --eyes 4", "name two vertices"),
     ] {

