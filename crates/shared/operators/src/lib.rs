@@ -6,7 +6,7 @@
 //!
 //! - [`cotan_stiffness`], [`lumped_mass`], [`bilaplacian`]: assembly.
 //! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
-//! - [`openings`]: which boundary loops are openings of the surface; [`distance_to_loops`].
+//! - [`openings()`]: which boundary loops are openings of the surface; [`distance_to_loops`].
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
 //!

@@ -8,7 +8,13 @@ use nalgebra::{Point3, Vector3};
 const RIM_SHARE: f64 = 1.0 / 3.0;
 /// … or if it reaches over more than this share (a neck and a missing top of the head are both rims).
 const SURE_RIM_SHARE: f64 = 0.5;
+/// Two loops are nostrils if their middles are nearer to each other than this, mm (eyes are some 60 mm apart), …
+const NOSTRILS_MM: f64 = 30.0;
+/// … and the shorter is at least this share of the longer.
+const NOSTRIL_LIKENESS: f64 = 0.6;
+
 /// The boundary loops inside the surface that are at least `smallest_mm` long, longest first; holes of scanning are shorter.
+/// Nostrils that were cut out are no openings either: they do not open, and soft ones cost 4 % on an expression set.
 ///
 /// `around`: of all triangles; `points`: #V, mm. Each loop runs in the direction of its triangles.
 #[must_use]
@@ -30,7 +36,20 @@ pub fn openings(around: &Connectivity, points: &[Point3<f64>], smallest_mm: f64)
         let rim = share > SURE_RIM_SHARE || (longest && share > RIM_SHARE);
         (!rim && length >= smallest_mm).then_some(vertices)
     };
-    loops.into_iter().filter_map(inside).collect()
+    let found: Vec<Vec<u32>> = loops.into_iter().filter_map(inside).collect();
+    let is_nostril = |one: usize| {
+        (0..found.len()).any(|other| other != one && are_nostrils(points, [&found[one], &found[other]]))
+    };
+    let kept: Vec<bool> = (0..found.len()).map(|rim| !is_nostril(rim)).collect();
+    found.into_iter().zip(kept).filter_map(|(rim, kept)| kept.then_some(rim)).collect()
+}
+
+fn are_nostrils(points: &[Point3<f64>], pair: [&[u32]; 2]) -> bool {
+    let [one, other] = pair.map(|rim| loop_length(points, rim));
+    let middle =
+        |rim: &[u32]| rim.iter().map(|&v| points[v as usize].coords).sum::<Vector3<f64>>() / rim.len() as f64;
+    let apart = (middle(pair[0]) - middle(pair[1])).norm();
+    apart < NOSTRILS_MM && one.min(other) >= NOSTRIL_LIKENESS * one.max(other)
 }
 
 /// Distance of a point from the nearest of some loops, mm; infinite without any.
@@ -77,7 +96,10 @@ mod tests {
     #[test]
     fn distances_are_to_the_sides_not_to_their_ends() {
         let square = [[0., 0., 0.], [10., 0., 0.], [10., 10., 0.], [0., 10., 0.]].map(Point3::from).to_vec();
-        assert!((distance_to_loops(&[square.clone()], &Point3::new(5.0, -3.0, 4.0)) - 5.0).abs() < 1e-12);
+        assert!(
+            (distance_to_loops(std::slice::from_ref(&square), &Point3::new(5.0, -3.0, 4.0)) - 5.0).abs()
+                < 1e-12
+        );
         // The closing side counts too.
         assert!((distance_to_loops(&[square], &Point3::new(-2.0, 5.0, 0.0)) - 2.0).abs() < 1e-12);
         assert_eq!(distance_to_loops(&[], &Point3::origin()), f64::INFINITY);

@@ -14,11 +14,20 @@ const STEP: f64 = 4.0;
 
 /// A bulging patch of 160 mm with a mouth and two eyes.
 fn face() -> Mesh {
+    face_with(&[])
+}
+
+/// The same with more holes: middle and half width.
+fn face_with(more: &[[f64; 3]]) -> Mesh {
     let closed = shapes::bump_plane(CELLS, STEP, 25.0, 50.0);
     let hole = |x: f64, y: f64| {
         let within =
             |cx: f64, cy: f64, rx: f64, ry: f64| ((x - cx) / rx).abs() < 1.0 && ((y - cy) / ry).abs() < 1.0;
-        within(80.0, 50.0, 26.0, 5.0) || within(48.0, 110.0, 14.0, 7.0) || within(112.0, 110.0, 14.0, 7.0)
+        let another = more.iter().any(|&[cx, cy, r]| within(cx, cy, r, r));
+        another
+            || within(80.0, 50.0, 26.0, 5.0)
+            || within(48.0, 110.0, 14.0, 7.0)
+            || within(112.0, 110.0, 14.0, 7.0)
     };
     let keep: Vec<bool> = closed
         .polygons
@@ -81,6 +90,12 @@ fn the_face_has_a_mouth_two_eyes_and_a_rim() {
     assert!(!survey.mouth_is_missing);
     // Without its rim's length among them: the mouth is the longest.
     assert!(survey.openings_mm[0] < 200.0 && survey.openings_mm[0] > survey.openings_mm[1]);
+    // Neither a hole of the scan nor two nostrils are openings.
+    let more = face_with(&[[30.0, 40.0, 5.0], [70.0, 82.0, 9.0], [92.0, 82.0, 9.0]]);
+    let constraints_there = Constraints { handles: handles(&more), held: Vec::new() };
+    let found =
+        Surface::survey(&more, &constraints_there, &params(9999)).unwrap().report().openings_mm.clone();
+    assert_eq!(found.len(), 3, "{found:?}");
     let small = Params { smallest_opening_mm: 90.0, ..params(9999) };
     assert_eq!(Surface::survey(&mesh, &constraints, &small).unwrap().report().openings_mm.len(), 1);
 }

@@ -45,10 +45,8 @@ pub(crate) fn refine(mesh: &Mesh, skin: &[u32], frame: Frame) -> (Frame, f64) {
 /// The mirror plane between points and their partners: the direction in which their products are most negative.
 fn plane(pairs: &[(f64, Vector3<f64>, Vector3<f64>)]) -> (Vector3<f64>, f64) {
     let count = pairs.len() as f64;
-    let mean = |pick: fn(&(f64, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-        pairs.iter().map(pick).sum::<Vector3<f64>>() / count
-    };
-    let (p, q) = (mean(|pair| pair.1), mean(|pair| pair.2));
+    let p = pairs.iter().map(|pair| pair.1).sum::<Vector3<f64>>() / count;
+    let q = pairs.iter().map(|pair| pair.2).sum::<Vector3<f64>>() / count;
     let products: Matrix3<f64> = pairs
         .iter()
         .map(|pair| (pair.1 - p) * (pair.2 - q).transpose())

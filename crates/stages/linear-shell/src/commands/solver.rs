@@ -48,8 +48,8 @@ impl Direct {
 
 /// A shell of either model.
 enum Factored {
-    Paper(Shell),
-    Soft(SoftShell),
+    Paper(Box<Shell>),
+    Soft(Box<SoftShell>),
 }
 
 impl Factored {
@@ -61,8 +61,12 @@ impl Factored {
         ordering: &Ordering,
     ) -> anyhow::Result<Self> {
         let shell = run.timed("factor", || match model {
-            Model::Paper => Shell::factor(surface, constraints, ordering).map(Self::Paper),
-            Model::SoftOpenings => SoftShell::factor(surface, constraints, ordering).map(Self::Soft),
+            Model::Paper => {
+                Shell::factor(surface, constraints, ordering).map(|shell| Self::Paper(Box::new(shell)))
+            }
+            Model::SoftOpenings => {
+                SoftShell::factor(surface, constraints, ordering).map(|shell| Self::Soft(Box::new(shell)))
+            }
         })?;
         if let Self::Soft(soft) = &shell {
             run.result("proxy_vertices", soft.proxy().vertices.len());

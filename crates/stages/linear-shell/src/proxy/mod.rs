@@ -69,10 +69,10 @@ impl Proxy {
             if enough && next.cost >= SHORTEST * side / finest {
                 break;
             }
-            if !enough || next.length < SHORTEST * side {
-                if let Some(kept) = collapse.attempt(next.ends) {
-                    open.extend(collapse.neighbors(kept).into_iter().map(|other| Reverse(cost(kept, other))));
-                }
+            if (!enough || next.length < SHORTEST * side)
+                && let Some(kept) = collapse.attempt(next.ends)
+            {
+                open.extend(collapse.neighbors(kept).into_iter().map(|other| Reverse(cost(kept, other))));
             }
         }
         match collapse.is_untouched() {
