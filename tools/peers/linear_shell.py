@@ -73,7 +73,7 @@ def read_pc2(path):
 
 def deform(ctx, mesh_path, unit, handles_path, name, *options):
     out = ctx.tmp / f"{name}.json"
-    args = ["--mesh", mesh_path, "--unit", unit, "--handles", handles_path, "--out", out, *options]
+    args = ["--mesh", mesh_path, "--unit", unit, "--handles", handles_path, "--out", out, "--model", "paper", *options]
     summary = ctx.run([ctx.binary("linear-shell"), *args])
     return read_pc2(out.with_suffix(".pc2")), summary
 
@@ -102,6 +102,14 @@ class Ict:
 
     def errors(self, name, positions):
         return np.linalg.norm(positions - self.truth[name], axis=1)
+
+    def performed(self, folder, every=12):
+        """Frames of the real performance, as further expressions."""
+        about = json.load(open(folder / "sequence.json"))
+        low, high = np.array(about["lo"]), np.array(about["hi"])
+        codes = np.fromfile(folder / "sequence.u16", "<u2").reshape(about["frames"], about["vertices"], 3)
+        frames = range(every // 2, about["frames"], every)
+        return {f"frame {i}": (low + codes[i] / 65535 * (high - low))[:9409] * 10.0 for i in frames}
 
 
 def rbf_only(ict, name):
@@ -133,6 +141,102 @@ def score_ict(ctx):
     yield metric("ict_mean_mm", whole(shell, np.mean), None, None, "mm", rbf_only=whole(volume, np.mean),
                  shell_and_rbf_only=table(np.mean))
     yield metric("ict_p95_mm", whole(shell, p95), None, None, "mm", rbf_only=whole(volume, p95), shell_and_rbf_only=table(p95))
+
+
+# ---- soft openings ---------------------------------------------------------------------------------------------------
+
+
+def fields_of(ctx, mesh_path, vertices, rest, moved, name, *options):
+    """Displacement fields, mm, for the true displacements at some vertices; moved: list of #V × 3."""
+    handles = ctx.tmp / f"{name}.handles.jsonl"
+    write_handles(handles, mesh_path, len(rest), "mm", vertices, [field[vertices] for field in moved])
+    out = ctx.tmp / f"{name}.json"
+    args = ["--mesh", mesh_path, "--unit", "mm", "--handles", handles, "--out", out, "--format", "npy", *options]
+    summary = ctx.run([ctx.binary("linear-shell"), *args])
+    return [np.load(path) for path in sorted(out.with_suffix("").glob("*.npy"))], summary
+
+
+def mean_errors(fields, moved, regions):
+    """Per field and region the mean error and the mean true movement, mm."""
+    of = lambda found, true: {r: (float(np.linalg.norm(found - true, axis=1)[ids].mean()), float(np.linalg.norm(true, axis=1)[ids].mean()))
+                              for r, ids in regions.items()}
+    return [of(found, true) for found, true in zip(fields, moved)]
+
+
+def ratios(soft, paper, names, least_mm=1.0):
+    """Soft over paper for each pair of expression and region that moves more than 1 mm in the mean."""
+    return {f"{name} {r}": a[r][0] / b[r][0] for name, a, b in zip(names, soft, paper) for r in a if a[r][1] > least_mm}
+
+
+def geometric(values):
+    return float(np.exp(np.mean(np.log(list(values)))))
+
+
+SOFT, PAPER = ("--model", "soft-openings"), ("--model", "paper")
+
+
+def score_soft(ctx):
+    folder = ctx.data("ict_facekit_dev")
+    ict = Ict(folder)
+    mesh_path, _ = ict.write(ctx)
+    cases = ict.truth | ict.performed(folder)
+    names, moved = list(cases), [positions - ict.rest for positions in cases.values()]
+    pairs = {}
+    for count in (90, 60, 40):
+        solve = lambda name, model: mean_errors(
+            fields_of(ctx, mesh_path, ict.markers[:count], ict.rest, moved, f"{name}-{count}", *model)[0], moved, ict.regions)
+        pairs[count] = ratios(solve("soft", SOFT), solve("paper", PAPER), names)
+    worst = max(pairs[90], key=pairs[90].get)
+    by_region = {r: round(geometric([x for pair, x in pairs[90].items() if pair.endswith(f" {r}")]), 3) for r in ict.regions}
+    yield metric("soft_vs_paper", geometric(pairs[90].values()), 0.90, "lower", "1", pairs=len(pairs[90]), by_region=by_region)
+    yield metric("soft_worst_pair", pairs[90][worst], 1.06, "lower", "1", pair=worst,
+                 next={p: round(x, 3) for p, x in sorted(pairs[90].items(), key=lambda item: -item[1])[1:5]})
+    yield metric("soft_60", geometric(pairs[60].values()), 0.96, "lower", "1", pairs=len(pairs[60]), worst=max(pairs[60].values()))
+    yield metric("soft_40", geometric(pairs[40].values()), None, None, "1", pairs=len(pairs[40]), worst=max(pairs[40].values()))
+    yield from score_proxy(ctx, ict)
+    yield from score_reference(ctx, ict, mesh_path)
+
+
+def subdivided(vertices, triangles, fields):
+    """Every triangle cut in four at the middles of its sides; fields go along."""
+    sides = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    sides, of = np.unique(sides, axis=0, return_inverse=True)
+    a, b, c = np.split(len(vertices) + of.ravel(), 3)
+    i, j, k = triangles.T
+    finer = np.vstack([np.stack(t, 1) for t in ((i, a, c), (j, b, a), (k, c, b), (a, b, c))])
+    middle = lambda x: np.vstack([x, x[sides].mean(axis=1)])
+    return middle(vertices), finer, [middle(field) for field in fields]
+
+
+def score_proxy(ctx, ict, coarse=12_000):
+    """A mesh of 37 k vertices that is solved for as it is, and on a proxy of a third of them; both meet their handles."""
+    moved = [ict.truth[name] - ict.rest for name in EXPRESSIONS]
+    rest, triangles, moved = subdivided(ict.rest, ict.triangles, moved)
+    mesh_path = ctx.tmp / "fine.obj"
+    write_obj(mesh_path, rest, triangles)
+    fine, whole = fields_of(ctx, mesh_path, ict.markers, rest, moved, "fine", *SOFT, "--mode", "direct")
+    proxy, about = fields_of(ctx, mesh_path, ict.markers, rest, moved, "proxy", *SOFT, "--mode", "direct", "--proxy-vertices", coarse)
+    apart = np.array([np.linalg.norm(a - b, axis=1) for a, b in zip(fine, proxy)])
+    face = apart[:, ict.regions["face"]]
+    context = dict(vertices=len(rest), proxy_vertices=[x["results"]["proxy_vertices"] for x in (whole, about)])
+    yield metric("soft_proxy_mm", float(apart.mean(axis=1).max()), 0.05, "lower", "mm", **context, p99=float(np.percentile(apart, 99)),
+                 largest=float(apart.max()), per_expression=dict(zip(EXPRESSIONS, apart.mean(axis=1).round(4).tolist())),
+                 face=float(face.mean(axis=1).max()))
+    missed = max(float(np.abs(found[ict.markers] - true[ict.markers]).max()) for found, true in zip(fine + proxy, moved * 2))
+    yield metric("soft_constraint_mm", missed, 1e-6, "lower", "mm")
+
+
+def score_reference(ctx, ict, mesh_path, degrees=5.0):
+    """A head that turns and does nothing else: what the shell makes of it."""
+    angle = np.radians(degrees)
+    turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    moved = [ict.rest @ turn.T - ict.rest]
+    apart = {}
+    for name, options in {"paper": PAPER, "soft": SOFT, "paper affine": (*PAPER, "--reference", "affine"),
+                          "soft affine": (*SOFT, "--reference", "affine")}.items():
+        fields, _ = fields_of(ctx, mesh_path, ict.markers, ict.rest, moved, "turned", *options)
+        apart[name] = float(np.linalg.norm(fields[0] - moved[0], axis=1)[ict.regions["face"]].mean())
+    yield metric("affine_reference_turn_mm", apart["soft affine"], 1e-4, "lower", "mm", mean_over_face_mm=apart, degrees=degrees)
 
 
 # ---- other solvers ---------------------------------------------------------------------------------------------------
@@ -265,7 +369,7 @@ def real_cases(ctx):
 
 def direct_field(ctx, rest, mesh_path, handles_path):
     out = ctx.tmp / "direct.json"
-    args = ["--mesh", mesh_path, "--unit", "mm", "--handles", handles_path, "--out", out, "--mode", "direct", "--format", "npy"]
+    args = ["--mesh", mesh_path, "--unit", "mm", "--handles", handles_path, "--out", out, "--mode", "direct", "--format", "npy", "--model", "paper"]
     ctx.run([ctx.binary("linear-shell"), *args])
     return np.load(next((ctx.tmp / "direct").glob("*.npy")))
 
@@ -311,6 +415,7 @@ def missing_markers(ctx, rest, mesh_path, handles, moved):
 def score(ctx):
     yield from score_solvers(ctx)
     yield from score_ict(ctx)
+    yield from score_soft(ctx)
 
 
 # ---- speed -----------------------------------------------------------------------------------------------------------
@@ -330,7 +435,7 @@ def bench_first_frame(ctx, vertex_count=300_000, repeats=3):
     ours, peers = [], {"amd": [], "metis": []}
     for _ in range(repeats):
         out = ctx.tmp / "first.json"
-        args = ["--mesh", mesh_path, "--unit", "mm", "--handles", handles_path, "--out", out, "--mode", "direct", "--threads", "1"]
+        args = ["--mesh", mesh_path, "--unit", "mm", "--handles", handles_path, "--out", out, "--mode", "direct", "--threads", "1", "--model", "paper"]
         seconds = ctx.run([ctx.binary("linear-shell"), *args])["seconds"]
         ours.append(seconds["ordering"] + seconds["factor"] + seconds["frames"])
         for method, times in peers.items():

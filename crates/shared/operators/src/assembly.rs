@@ -25,9 +25,35 @@ pub fn cotan_stiffness(
     triangles: &[[u32; 3]],
     cotangent_limit: f64,
 ) -> (CsMat<f64>, Slivers) {
+    assemble(points, triangles, cotangent_limit, |_| 1.0)
+}
+
+/// Cotangent stiffness of a surface whose stiffness varies: `uᵀ L u = ∫ κ ‖∇u‖²`, κ constant on each triangle.
+///
+/// As [`cotan_stiffness`]; `weights`: #F, κ ≥ 0.
+///
+/// # Panics
+/// If there is not one weight per triangle.
+#[must_use]
+pub fn weighted_cotan_stiffness(
+    points: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    weights: &[f64],
+    cotangent_limit: f64,
+) -> CsMat<f64> {
+    assert_eq!(weights.len(), triangles.len(), "one weight per triangle");
+    assemble(points, triangles, cotangent_limit, |triangle| weights[triangle]).0
+}
+
+fn assemble(
+    points: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    cotangent_limit: f64,
+    stiffness: impl Fn(usize) -> f64,
+) -> (CsMat<f64>, Slivers) {
     let mut entries = TriMat::with_capacity((points.len(), points.len()), triangles.len() * 12);
     let mut slivers = Slivers::default();
-    for triangle in triangles {
+    for (number, triangle) in triangles.iter().enumerate() {
         let corner = triangle.map(|vertex| points[vertex as usize]);
         let spokes = |i: usize| (corner[(i + 1) % 3] - corner[i], corner[(i + 2) % 3] - corner[i]);
         let dots: [f64; 3] = std::array::from_fn(|i| spokes(i).0.dot(&spokes(i).1));
@@ -39,7 +65,7 @@ pub fn cotan_stiffness(
         }
         slivers.tempered += usize::from(double_area < least_area);
         for i in 0..3 {
-            let weight = 0.5 * dots[i] / double_area.max(least_area);
+            let weight = 0.5 * stiffness(number) * dots[i] / double_area.max(least_area);
             let (j, k) = (triangle[(i + 1) % 3] as usize, triangle[(i + 2) % 3] as usize);
             entries.add_triplet(j, k, -weight);
             entries.add_triplet(k, j, -weight);

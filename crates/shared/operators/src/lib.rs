@@ -5,6 +5,8 @@
 //! zero, `uᵀ L u` is the Dirichlet energy); the pointwise Laplacian is `−M⁻¹ L`.
 //!
 //! - [`cotan_stiffness`], [`lumped_mass`], [`bilaplacian`]: assembly.
+//! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
+//! - [`openings()`]: which boundary loops are openings of the surface; [`distance_to_loops`].
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
 //!
@@ -24,10 +26,14 @@ mod assembly;
 mod bisection;
 mod dirichlet;
 mod factor;
+mod openings;
 mod ordering;
+mod variation;
 
-pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass};
+pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass, weighted_cotan_stiffness};
 pub use dirichlet::{Dirichlet, Responses};
 pub use factor::{Factor, FactorError};
+pub use openings::{distance_to_loops, openings};
 pub use ordering::{NotAPermutation, Ordering};
 pub use sprs::CsMat;
+pub use variation::Variation;

@@ -11,6 +11,12 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A softening that leaves no stiffness, or adds some.
+    #[error("the softening is {value}; it must be a share of the stiffness, from 0 to below 1")]
+    Softening {
+        /// Its value.
+        value: f64,
+    },
     /// No handle at all.
     #[error("there is no handle; at least one vertex must be told where to go")]
     NoHandles,

@@ -1,6 +1,6 @@
 //! The surface under the shell: looked over, and its operators assembled.
 
-use crate::{BowTies, Constraints, Error, FreeComponents, Params};
+use crate::{BowTies, Constraints, Error, FreeComponents, Model, Params};
 use mesh::{Connectivity, Mesh};
 use nalgebra::Point3;
 use operators::{CsMat, Ordering, Slivers, bilaplacian, cotan_stiffness, lumped_mass};
@@ -24,8 +24,10 @@ pub struct Survey {
     pub tempered_triangles: usize,
     /// Triangles whose corners lie in one place, left out.
     pub collapsed_triangles: usize,
-    /// Lengths of the boundary loops inside the surface (all but the longest), mm, longest first.
+    /// Lengths of the openings, mm, longest first: the boundary loops inside the surface that are no outer rim.
     pub openings_mm: Vec<f64>,
+    /// Whether none of the openings can be the mouth: there is none, or only a pair of eyes.
+    pub mouth_is_missing: bool,
 }
 
 /// A mesh that a shell can be solved on, with its operators.
@@ -34,11 +36,16 @@ pub struct Surface {
     pub(crate) stiffness: CsMat<f64>,
     pub(crate) still: Vec<u32>,
     pub(crate) around: Connectivity,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Boundary loops of mouth and eyes.
+    pub(crate) openings: Vec<Vec<u32>>,
+    pub(crate) params: Params,
     survey: Survey,
 }
 
 impl Surface {
-    /// Looks over the mesh and assembles `K = k_s L + k_b L M⁻¹ L` [BickelBotsch2007, Eq. 4].
+    /// Looks over the mesh and assembles `K = k_s L + k_b L M⁻¹ L` [BickelBotsch2007, Eq. 4]; for the model with soft openings,
+    /// `L M⁻¹ L`, which continues a coarse solution.
     ///
     /// # Errors
     /// A parameter, a handle or a defect of the mesh that makes the shell unsolvable; see [`Error`].
@@ -56,7 +63,13 @@ impl Surface {
         let (still, held_components) = free_parts(&around, &loose, constraints, params)?;
         let (laplacian, slivers) = cotan_stiffness(&mesh.positions, &triangles, params.cotangent_limit);
         let mass = lumped_mass(&mesh.positions, &triangles);
-        let stiffness = bilaplacian(&laplacian, &mass, params.stretching, params.bending_mm2);
+        let stiffness = match params.model {
+            Model::Paper => bilaplacian(&laplacian, &mass, params.stretching, params.bending_mm2),
+            Model::SoftOpenings => bilaplacian(&laplacian, &mass, 0.0, 1.0),
+        };
+        let openings = operators::openings(&around, &mesh.positions, params.smallest_opening_mm);
+        let openings_mm: Vec<f64> =
+            openings.iter().map(|vertices| mesh::loop_length(&mesh.positions, vertices)).collect();
         let Slivers { tempered, collapsed } = slivers;
         let survey = Survey {
             vertices: mesh.positions.len(),
@@ -66,15 +79,37 @@ impl Surface {
             held_components,
             tempered_triangles: tempered,
             collapsed_triangles: collapsed,
-            openings_mm: opening_lengths(&around, &mesh.positions),
+            mouth_is_missing: mouth_is_missing(&openings_mm),
+            openings_mm,
         };
-        Ok(Self { points: mesh.positions.clone(), stiffness, still, around, survey })
+        Ok(Self {
+            points: mesh.positions.clone(),
+            stiffness,
+            still,
+            around,
+            triangles,
+            openings,
+            params: params.clone(),
+            survey,
+        })
     }
 
     /// What was found.
     #[must_use]
     pub fn report(&self) -> &Survey {
         &self.survey
+    }
+
+    /// The openings as closed polylines, mm.
+    pub(crate) fn opening_points(&self) -> Vec<Vec<Point3<f64>>> {
+        let at = |&vertex: &u32| self.points[vertex as usize];
+        self.openings.iter().map(|vertices| vertices.iter().map(at).collect()).collect()
+    }
+
+    /// The vertices' places, mm.
+    #[must_use]
+    pub fn points(&self) -> &[Point3<f64>] {
+        &self.points
     }
 
     /// An elimination order for this mesh; it serves any set of handles.
@@ -138,10 +173,26 @@ fn free_parts(
     Ok((free, parts))
 }
 
-/// Lengths of the boundary loops, longest first, without the longest, which is the rim.
-fn opening_lengths(around: &Connectivity, points: &[Point3<f64>]) -> Vec<f64> {
-    let mut lengths: Vec<f64> =
-        around.boundary_loops().iter().map(|vertices| mesh::loop_length(points, vertices)).collect();
-    lengths.sort_by(|a, b| b.total_cmp(a));
-    lengths.into_iter().skip(1).collect()
+/// Two openings whose lengths are at least this much alike are a pair of eyes.
+const EYE_LIKENESS: f64 = 0.8;
+
+/// Whether none of the openings can be a mouth: there is none, or only a pair of eyes.
+fn mouth_is_missing(lengths_mm: &[f64]) -> bool {
+    match lengths_mm {
+        [] => true,
+        [longer, shorter] => shorter / longer >= EYE_LIKENESS,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mouth_is_missing;
+
+    #[test]
+    fn a_pair_of_eyes_is_no_mouth() {
+        assert!(mouth_is_missing(&[]) && mouth_is_missing(&[66.0, 65.0]));
+        assert!(!mouth_is_missing(&[102.0]) && !mouth_is_missing(&[102.0, 66.0]));
+        assert!(!mouth_is_missing(&[102.0, 66.0, 65.0]));
+    }
 }

@@ -345,6 +345,36 @@ fn a_damaged_cache_is_made_again() {
 }
 
 #[test]
+fn models_and_references_are_kept_apart() {
+    let folder = Folder::new();
+    let made = |options: &str| {
+        let summary = folder.succeed(&format!("{RUN} --cache kept {options}"));
+        (samples(&folder.path("face.pc2")), summary)
+    };
+    let (paper, summary) = made("");
+    assert!(summary["results"].get("proxy_vertices").is_none());
+    let (soft, summary) = made("--model soft-openings");
+    assert_eq!(summary["results"]["proxy_vertices"], 169);
+    assert!(summary["results"]["refinement_change"].as_f64().unwrap() < 1e-9);
+    let (affine, _) = made("--model soft-openings --reference affine");
+    assert!(paper != soft && soft != affine);
+    // Direct, the same; the samples are float32 in cm.
+    for (options, kept) in
+        [("--model soft-openings", &soft), ("--model soft-openings --reference affine", &affine)]
+    {
+        let (direct, _) = made(&format!("{options} --mode direct"));
+        let apart = direct
+            .iter()
+            .flatten()
+            .zip(kept.iter().flatten())
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f32::max);
+        assert!(apart < 2e-5, "{options}: {apart}");
+    }
+    folder.refuse(&format!("{RUN} --model soft-openings --softening 1"), &["softening is 1", "below 1"]);
+}
+
+#[test]
 fn the_help_is_as_reviewed() {
     let output = Folder::new().run("--help");
     insta::assert_snapshot!("help", String::from_utf8_lossy(&output.stdout));

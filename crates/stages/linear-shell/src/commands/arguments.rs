@@ -3,7 +3,7 @@
 use anyhow::bail;
 use artifact::{Axis, FrameRange, SequenceForm, Unit};
 use clap::{Parser, ValueEnum};
-use linear_shell::{BowTies, FreeComponents, Params};
+use linear_shell::{BowTies, FreeComponents, Model, Params};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -38,12 +38,33 @@ pub(crate) struct Arguments {
     /// Solve every frame, or take the handles' responses once and combine them
     #[arg(long, value_enum, default_value_t = Mode::Basis)]
     pub(crate) mode: Mode,
+    /// The shell's energy
+    #[arg(long, value_enum, default_value_t = ModelChoice::Paper)]
+    model: ModelChoice,
+    /// What displacements are measured from before they bend the shell
+    #[arg(long, value_enum, default_value_t = Reference::Rest)]
+    pub(crate) reference: Reference,
     /// Stretching stiffness k_s
     #[arg(long, default_value_t = Params::default().stretching)]
     pub(crate) stretching: f64,
-    /// Bending stiffness k_b, mm²; only its ratio to the stretching counts
+    /// Bending stiffness k_b of the paper's model, mm²; only its ratio to the stretching counts
     #[arg(long, default_value_t = Params::default().bending_mm2)]
     pub(crate) bending: f64,
+    /// Stiffness k_t against the variation of bending, mm⁴, of the model with soft openings
+    #[arg(long, default_value_t = Params::default().variation_mm4)]
+    variation: f64,
+    /// Share of k_t that is lost at the rims of mouth and eyes
+    #[arg(long, value_name = "SHARE", default_value_t = Params::default().softening)]
+    softening: f64,
+    /// Distance from those rims over which it comes back, mm
+    #[arg(long, value_name = "MM", default_value_t = Params::default().softening_width_mm)]
+    softening_width: f64,
+    /// Boundary loops shorter than this, mm, are holes of the scan, not mouth or eyes
+    #[arg(long, value_name = "MM", default_value_t = Params::default().smallest_opening_mm)]
+    smallest_opening: f64,
+    /// Vertices, at most, that soft openings are solved on; the rest of the scan follows smoothly
+    #[arg(long, value_name = "COUNT", default_value_t = Params::default().proxy_vertices)]
+    proxy_vertices: usize,
     /// Largest cotangent taken at its word; triangles beyond it are tempered and counted
     #[arg(long, default_value_t = Params::default().cotangent_limit)]
     pub(crate) cotangent_limit: f64,
@@ -117,6 +138,15 @@ impl Arguments {
 
     pub(crate) fn params(&self) -> Params {
         Params {
+            model: match self.model {
+                ModelChoice::Paper => Model::Paper,
+                ModelChoice::SoftOpenings => Model::SoftOpenings,
+            },
+            variation_mm4: self.variation,
+            softening: self.softening,
+            softening_width_mm: self.softening_width,
+            smallest_opening_mm: self.smallest_opening,
+            proxy_vertices: self.proxy_vertices,
             stretching: self.stretching,
             bending_mm2: self.bending,
             cotangent_limit: self.cotangent_limit,
@@ -167,6 +197,23 @@ pub(crate) enum Mode {
     Basis,
     /// Three substitutions per frame; less memory
     Direct,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModelChoice {
+    /// The paper's: stretching and bending
+    Paper,
+    /// Stretching and the variation of bending, soft around mouth and eyes
+    SoftOpenings,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Reference {
+    /// From the rest pose
+    Rest,
+    /// From the affine motion that all handles make in the mean: for takes that were not stabilised
+    Affine,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

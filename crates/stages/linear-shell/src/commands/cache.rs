@@ -27,9 +27,10 @@ impl Cache {
         constraints: &Constraints,
         params: &Params,
     ) -> anyhow::Result<Self> {
-        let parameters = serde_json::to_value(params)?;
+        let mut parameters = serde_json::to_value(params)?;
+        parameters["reference"] = serde_json::to_value(arguments.reference)?;
         let vertices = &constraints.handles;
-        let content = json!(["basis 1", mesh.file.sha256, mesh.unit, vertices, constraints.held, parameters]);
+        let content = json!(["basis 2", mesh.file.sha256, mesh.unit, vertices, constraints.held, parameters]);
         Ok(Self {
             folder: arguments.cache.clone(),
             key: artifact::sha256_of(content.to_string().as_bytes())[..24].to_string(),

@@ -29,7 +29,9 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     };
     run.check_outputs(&arguments.outputs().iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     let params = arguments.params();
-    run.parameters(&json!({ "shell": params, "mode": arguments.mode, "soft": arguments.soft }))?;
+    run.parameters(&json!({
+        "shell": params, "reference": arguments.reference, "mode": arguments.mode, "soft": arguments.soft
+    }))?;
     let survey = || Surface::survey(&mesh, &constraints, &params);
     let surface = run
         .timed("assembly", survey)
@@ -222,11 +224,17 @@ fn report_survey(run: &mut Run, survey: &Survey) {
     for (count, what) in notes.into_iter().filter(|note| note.0 > 0) {
         run.warn(format!("{count} {what}"));
     }
-    if survey.openings_mm.is_empty() {
-        run.warn(
+    match survey.openings_mm.len() {
+        0 => run.warn(
             "the scan has no opening: mouth and eyes are closed surfaces, so lips and lids cannot part; \
              `mesh-clip` opens them",
-        );
+        ),
+        _ if survey.mouth_is_missing => run.warn(format!(
+            "the scan has two openings of {:.0} and {:.0} mm around, which look like the eyes: is the mouth cut open? Fused \
+             lips cost millimetres; `mesh-clip --cut-along` opens them",
+            survey.openings_mm[0], survey.openings_mm[1]
+        )),
+        _ => {}
     }
 }
 

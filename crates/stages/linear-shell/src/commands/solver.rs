@@ -1,11 +1,15 @@
 //! Direct solves or the response basis, behind one face.
 
 use super::Arguments;
-use super::arguments::Mode;
+use super::arguments::{Mode, Reference};
 use super::cache::Cache;
-use linear_shell::{Basis, Completion, Constraints, Shell, Surface};
-use nalgebra::Vector3;
+use linear_shell::{AffineReference, Basis, Completion, Constraints, Model, Shell, SoftShell, Surface};
+use nalgebra::{Point3, Vector3};
+use operators::Ordering;
 use stage::Run;
+
+/// Change by the last refinement, as a share of a handle's displacement, beyond which a solve is not trusted.
+const LARGEST_CHANGE: f64 = 1e-4;
 
 /// What turns handle displacements into frames.
 pub(crate) struct Solver {
@@ -15,7 +19,99 @@ pub(crate) struct Solver {
 
 enum Method {
     Basis(Basis),
-    Direct(Box<Shell>),
+    Direct(Box<Direct>),
+}
+
+/// Solves frame by frame.
+struct Direct {
+    shell: Factored,
+    reference: Option<(AffineReference, Vec<Point3<f64>>)>,
+}
+
+impl Direct {
+    fn solve(&self, handles: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let Some((reference, points)) = &self.reference else { return self.shell.solve(handles) };
+        let (left, motion) = reference.split(handles);
+        let mut field = self.shell.solve(&left);
+        reference.add(&motion, points, &mut field);
+        field
+    }
+
+    fn completion(&self) -> Completion {
+        let completion = self.shell.completion();
+        match &self.reference {
+            Some((reference, _)) => reference.completion(&completion),
+            None => completion,
+        }
+    }
+}
+
+/// A shell of either model.
+enum Factored {
+    Paper(Box<Shell>),
+    Soft(Box<SoftShell>),
+}
+
+impl Factored {
+    fn new(
+        run: &mut Run,
+        model: Model,
+        surface: &Surface,
+        constraints: &Constraints,
+        ordering: &Ordering,
+    ) -> anyhow::Result<Self> {
+        let shell = run.timed("factor", || match model {
+            Model::Paper => {
+                Shell::factor(surface, constraints, ordering).map(|shell| Self::Paper(Box::new(shell)))
+            }
+            Model::SoftOpenings => {
+                SoftShell::factor(surface, constraints, ordering).map(|shell| Self::Soft(Box::new(shell)))
+            }
+        })?;
+        if let Self::Soft(soft) = &shell {
+            run.result("proxy_vertices", soft.proxy().vertices.len());
+        }
+        run.detail(&format!("the factor has {} entries", shell.entry_count()));
+        Ok(shell)
+    }
+
+    fn entry_count(&self) -> usize {
+        match self {
+            Self::Paper(shell) => shell.factor_entry_count(),
+            Self::Soft(shell) => shell.factor_entry_count(),
+        }
+    }
+
+    fn solve(&self, handles: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        match self {
+            Self::Paper(shell) => shell.solve(handles),
+            Self::Soft(shell) => shell.solve(handles),
+        }
+    }
+
+    fn completion(&self) -> Completion {
+        match self {
+            Self::Paper(shell) => shell.completion(),
+            Self::Soft(shell) => shell.completion(),
+        }
+    }
+
+    fn basis(&self, run: &mut Run) -> (Basis, Completion) {
+        match self {
+            Self::Paper(shell) => run.timed("basis", || shell.basis()),
+            Self::Soft(shell) => {
+                let (basis, completion, change) = run.timed("basis", || shell.basis());
+                run.result("refinement_change", change);
+                if change > LARGEST_CHANGE {
+                    run.warn(format!(
+                        "the last refinement still changed the responses by {change:.1e}: the scan's triangles are too \
+                         uneven for a third-order solve; fewer --proxy-vertices help"
+                    ));
+                }
+                (basis, completion)
+            }
+        }
+    }
 }
 
 impl Solver {
@@ -40,12 +136,25 @@ impl Solver {
                 ordering
             }
         };
-        let shell = run.timed("factor", || Shell::factor(surface, constraints, &ordering))?;
-        run.detail(&format!("the factor has {} entries", shell.factor_entry_count()));
+        let shell = Factored::new(run, arguments.params().model, surface, constraints, &ordering)?;
+        let points = surface.points();
+        let reference = (arguments.reference == Reference::Affine).then(|| {
+            let places: Vec<Point3<f64>> =
+                constraints.handles.iter().map(|&handle| points[handle as usize]).collect();
+            AffineReference::new(&places)
+        });
         if !basis_wanted {
-            return Ok(Self { method: Method::Direct(Box::new(shell)), completion: None });
+            let reference = reference.map(|reference| (reference, points.to_vec()));
+            return Ok(Self {
+                method: Method::Direct(Box::new(Direct { shell, reference })),
+                completion: None,
+            });
         }
-        let (basis, completion) = run.timed("basis", || shell.basis());
+        let (basis, completion) = shell.basis(run);
+        let (basis, completion) = match reference {
+            Some(reference) => (reference.basis(points, &basis), reference.completion(&completion)),
+            None => (basis, completion),
+        };
         cache.keep_basis(&basis, &completion)?;
         Ok(Self { method: Method::Basis(basis), completion: Some(completion) })
     }

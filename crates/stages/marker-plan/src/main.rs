@@ -1,0 +1,9 @@
+//! The binary of `marker-plan`: arguments → read → call → write.
+
+mod commands;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    stage::run(commands::run)
+}
