@@ -75,6 +75,33 @@ fn what_a_dot_lies_on_does_not_shift_it() {
 }
 
 #[test]
+fn a_dot_between_strokes_of_two_other_paints_is_seen_whole() {
+    // Skin, green and violet hold the dot's colour, at another light, between them.
+    let (green, violet) = ([0.04, 0.26, 0.075], [0.22, 0.05, 0.28]);
+    let dots = grid();
+    for edge in [22, 24] {
+        let ground = |_: usize, y: usize| match y {
+            y if y < edge - 6 => violet,
+            y if y >= edge && y < edge + 9 => green,
+            _ => SKIN,
+        };
+        let image = draw_on(&dots, Look::default(), ground);
+        let tracker = Tracker::start(
+            &picture(&image),
+            Transfer::Srgb,
+            &names(&dots),
+            &labels(&dots),
+            &Params::default(),
+        )
+        .unwrap();
+        for (sample, dot) in tracker.samples().iter().zip(&dots) {
+            assert_eq!(sample.unwrap().state, TrackState::Seen, "{dot:?}, green from row {edge}");
+            assert!(off(sample, dot) < 0.3, "{dot:?} {}", off(sample, dot));
+        }
+    }
+}
+
+#[test]
 fn a_marker_that_jumps_and_comes_back_is_found_where_it_belongs() {
     let dots = grid();
     let mut tracker = start(&dots, Look::default());
