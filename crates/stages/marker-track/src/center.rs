@@ -97,7 +97,8 @@ impl Patch {
         let colors = window.colors(picture, paint);
         let ground = Ground::of(&parts, &colors, window.width, paint)?;
         let own: Vec<usize> = (0..parts.len()).filter(|&i| parts[i] == Part::Own).collect();
-        let covers = ground.covers(&own, &colors, paint);
+        let mask: Vec<f64> = own.iter().map(|&i| window.cover(i, picture, paint)).collect();
+        let covers = ground.covers(&own, &mask, &colors, paint);
         let pixel = |(&index, cover): (&usize, f64)| {
             let [x, y] = window.place(index);
             [x, y, certain(cover), cover.clamp(0.0, 1.0)]
@@ -175,6 +176,12 @@ impl Window {
     /// A pixel's place in the image.
     fn place(&self, index: usize) -> [f64; 2] {
         [(self.left + index % self.width) as f64, (self.top + index / self.width) as f64]
+    }
+
+    /// The share of paint of a pixel, from its ratios alone.
+    fn cover(&self, index: usize, picture: &Picture, paint: &Paint) -> f64 {
+        let (x, y) = (self.left + index % self.width, self.top + index / self.width);
+        f64::from(paint.coverage(picture.at(x, y))) / 255.0
     }
 
     /// Linear light of the pixels.

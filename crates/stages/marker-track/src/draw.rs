@@ -1,20 +1,14 @@
 //! Pictures to look at: dots with numbers, tracks with tails.
 
-use crate::Picture;
+use crate::{Error, Picture};
+use artifact::canvas;
 
-/// Columns of the digits 0–9, five rows of three pixels each, the top row in the highest bits.
-const DIGITS: [u16; 10] = [
-    0b111_101_101_101_111,
-    0b010_110_010_010_111,
-    0b111_001_111_100_111,
-    0b111_001_111_001_111,
-    0b101_101_111_001_001,
-    0b111_100_111_001_111,
-    0b111_100_111_101_111,
-    0b111_001_010_010_010,
-    0b111_101_111_101_111,
-    0b111_101_111_001_111,
-];
+/// Width and height of a digit's ground, px.
+const DIGIT: [usize; 2] = [7, 14];
+/// Brightness of the ground of numbers, code.
+const DARK: u8 = 20;
+/// A number begins so far right of its place, px.
+const NUMBER_BESIDE: i64 = 5;
 
 /// A picture to draw on: an image, enlarged.
 #[derive(Debug, Clone)]
@@ -97,20 +91,19 @@ impl Canvas {
     }
 
     /// A number beside a place of the image, on a dark ground.
-    pub fn number(&mut self, at: [f64; 2], number: usize, color: [u8; 3]) {
-        let [x, y] = self.place(at).map(|x| x.round() as i64);
-        let digits: Vec<usize> = number.to_string().bytes().map(|byte| usize::from(byte - b'0')).collect();
-        let (left, top) = (x + 5, y - 12);
-        for row in -2..12 {
-            (-2..8 * digits.len() as i64).for_each(|column| self.set(left + column, top + row, [20, 20, 20]));
+    ///
+    /// # Errors
+    /// [`Error::Font`] if the built-in font is damaged.
+    pub fn number(&mut self, at: [f64; 2], number: usize, color: [u8; 3]) -> Result<(), Error> {
+        let [x, y] = self.place(at).map(|x| x.round() as i64 + NUMBER_BESIDE);
+        let text = number.to_string();
+        let mut label = canvas::Canvas::new(DIGIT[0] * text.len() + 2, DIGIT[1])?;
+        label.rgb.fill(DARK);
+        label.write(&text, [1, 0], color);
+        for (index, pixel) in label.rgb.chunks_exact(3).enumerate() {
+            let [column, row] = [index % label.width, index / label.width].map(|k| k as i64);
+            self.set(x + column, y + row - DIGIT[1] as i64 - NUMBER_BESIDE, [pixel[0], pixel[1], pixel[2]]);
         }
-        for (index, digit) in digits.into_iter().enumerate() {
-            for bit in (0..15).filter(|bit| DIGITS[digit] >> (14 - bit) & 1 == 1) {
-                let (column, row) = (left + 8 * index as i64 + 2 * (bit % 3), top + 2 * (bit / 3));
-                for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    self.set(column + dx, row + dy, color);
-                }
-            }
-        }
+        Ok(())
     }
 }

@@ -88,6 +88,9 @@ pub enum Error {
         /// What is wrong there.
         what: String,
     },
+    /// Numbers cannot be drawn.
+    #[error(transparent)]
+    Font(#[from] artifact::canvas::FontError),
 }
 
 impl Error {

@@ -11,7 +11,8 @@
 //! 4. *Remember*: a marker without a dot is predicted, goes with its neighbours, and is found again near its prediction, or where
 //!    it belongs among them. Dots without a name are followed too, lest they are taken for others.
 //!
-//! When all cameras are done, [`name_strays`] names such dots by what other cameras see.
+//! When all cameras are done, [`drop_misfits`] takes back what no other cameras agree with, and [`name_strays`] names such dots by
+//! what other cameras see.
 //!
 //! [`detect`] finds dots without names, [`Edits`] replays corrections made by hand.
 //!
@@ -40,6 +41,7 @@ mod blobs;
 mod center;
 mod detect;
 mod dots;
+mod doubt;
 mod draw;
 mod edits;
 mod error;
@@ -56,6 +58,7 @@ mod track;
 mod tracker;
 
 pub use detect::{Found, detect, places_of_color};
+pub use doubt::{drop_misfits, drop_passing};
 pub use draw::Canvas;
 pub use edits::Edits;
 pub use error::Error;

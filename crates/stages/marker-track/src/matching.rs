@@ -87,17 +87,19 @@ pub(crate) fn match_tracks(
     guards: &[Stray],
     params: &Params,
 ) -> Matches {
+    let has_guide = predictions.iter().flatten().any(|prediction| prediction.guided);
     let mut pairs = Vec::new();
     for (track, prediction) in predictions.iter().enumerate() {
         let Some(prediction) = prediction else { continue };
         for (dot, found) in dots.iter().enumerate().filter(|(_, dot)| prediction.reaches(dot.spot.at)) {
             let off = (found.spot.at[0] - prediction.at[0]).hypot(found.spot.at[1] - prediction.at[1]);
             let unsure = !tracks[track].alive || tracks[track].hidden > 0.0;
-            let rivals = predictions.iter().enumerate().filter(|(other, _)| *other != track);
-            let is_rivals = |(_, rival): (usize, &Option<Prediction>)| {
-                rival.as_ref().is_some_and(|rival| rival.owns(found.spot.at, off, unsure))
+            let is_rivals = |(other, rival): (usize, &Option<Prediction>)| {
+                let expected = rival.as_ref().filter(|rival| rival.guided || tracks[other].hidden == 0.0);
+                let gate = params.guide_gate_px;
+                other != track && expected.is_some_and(|r| r.owns(found.spot.at, off, gate, unsure))
             };
-            if prediction.guided && rivals.into_iter().any(is_rivals) {
+            if has_guide && (prediction.guided || unsure) && predictions.iter().enumerate().any(is_rivals) {
                 continue;
             }
             let cost = cost(&tracks[track], found, off / prediction.gate, params);

@@ -6,8 +6,6 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Fewer pixels around are no surroundings.
 const FEWEST: usize = 12;
-/// Rounds in which light and cover are told apart.
-const ROUNDS: usize = 3;
 /// Noise of a pixel, as a share of the paint's brightness.
 const NOISE: f64 = 0.01;
 /// What is beside the dot is known but for this share of the variance around it.
@@ -16,6 +14,8 @@ const SPREAD: f64 = 2.0;
 const DIAGONAL: f64 = 0.5;
 /// Light on a dot lies within these shares of that on the labelled dots.
 const LIGHT: [f64; 2] = [0.1, 4.0];
+/// The light on a dot is known but for this share.
+const LIGHT_SPREAD: f64 = 0.03;
 
 /// What each pixel would show without paint on it: what surrounds a dot, carried inwards layer by layer, so that the edge of each
 /// other paint, of hair, of the lips ends where it meets the dot, and each pixel of the dot's rim is told from what lies beside it.
@@ -24,7 +24,7 @@ const LIGHT: [f64; 2] = [0.1, 4.0];
 pub(crate) struct Ground {
     colors: Vec<Vector3<f64>>,
     known: Vec<bool>,
-    /// What differences of colour say least about paint: the inverse of their covariance around the dot.
+    /// What differences of colour say about paint: the inverse of the covariance around the dot, with that of the dot's light.
     precision: Matrix3<f64>,
 }
 
@@ -36,7 +36,8 @@ impl Ground {
             return None;
         }
         let floor = (NOISE * Vector3::from(paint.color).norm()).powi(2);
-        let precision = precision(colors, &known, floor)?;
+        let light = LIGHT_SPREAD * Vector3::from(paint.color);
+        let precision = precision(colors, &known, light, floor)?;
         let mut ground = Self { colors: colors.to_vec(), known, precision };
         let wanted = |part: &Part| matches!(part, Part::Own | Part::Between);
         let mut left: Vec<usize> = (0..parts.len()).filter(|&i| wanted(&parts[i])).collect();
@@ -72,36 +73,51 @@ impl Ground {
         (weights > 0.0).then(|| sum / weights)
     }
 
-    /// The share of paint of each of the dot's own pixels, in their order; it may be a little below 0 or above 1.
-    pub(crate) fn covers(&self, own: &[usize], colors: &[Vector3<f64>], paint: &Paint) -> Vec<f64> {
+    /// The share of paint of each of the dot's own pixels, in their order; it may be a little below 0 or above 1. `mask` says the
+    /// same roughly, from each pixel's ratios alone.
+    pub(crate) fn covers(
+        &self,
+        own: &[usize],
+        mask: &[f64],
+        colors: &[Vector3<f64>],
+        paint: &Paint,
+    ) -> Vec<f64> {
+        let painted = self.light(own, mask, colors, paint) * Vector3::from(paint.color);
+        let cover = |&i: &usize| {
+            let full = painted - self.colors[i];
+            let along = self.precision * full;
+            (colors[i] - self.colors[i]).dot(&along) / full.dot(&along).max(1e-12)
+        };
+        own.iter().map(cover).collect()
+    }
+
+    /// The light on the dot, as a share of that on the labelled ones.
+    ///
+    /// It comes from the mask, whose ratios do not hang on it. Light and the shares below, fitted by turns, run away where other
+    /// paints lie around that hold the dot's colour, at some other light, between them.
+    fn light(&self, own: &[usize], mask: &[f64], colors: &[Vector3<f64>], paint: &Paint) -> f64 {
         let color = Vector3::from(paint.color);
-        let mut light = 1.0;
-        let mut covers = vec![0.0; own.len()];
-        for _ in 0..=ROUNDS {
-            let painted = light * color;
-            for (cover, &i) in covers.iter_mut().zip(own) {
-                let full = painted - self.colors[i];
-                let along = self.precision * full;
-                *cover = (colors[i] - self.colors[i]).dot(&along) / full.dot(&along).max(1e-12);
-            }
-            let (mut seen, mut weights) = (0.0, 0.0);
-            for (cover, &i) in covers.iter().zip(own) {
-                let cover = cover.clamp(0.0, 1.0);
-                seen += cover * cover * (colors[i] - (1.0 - cover) * self.colors[i]).dot(&color);
-                weights += cover * cover * cover;
-            }
-            if weights > 0.0 {
-                light = (seen / weights / color.norm_squared()).clamp(LIGHT[0], LIGHT[1]);
-            }
+        let (mut seen, mut weights) = (0.0, 0.0);
+        for (cover, &i) in mask.iter().zip(own) {
+            seen += cover * cover * (colors[i] - (1.0 - cover) * self.colors[i]).dot(&color);
+            weights += cover * cover * cover;
         }
-        covers
+        match weights > 0.0 {
+            true => (seen / weights / color.norm_squared()).clamp(LIGHT[0], LIGHT[1]),
+            false => 1.0,
+        }
     }
 }
 
-fn precision(colors: &[Vector3<f64>], known: &[bool], floor: f64) -> Option<Matrix3<f64>> {
+fn precision(
+    colors: &[Vector3<f64>],
+    known: &[bool],
+    light: Vector3<f64>,
+    floor: f64,
+) -> Option<Matrix3<f64>> {
     let around = || colors.iter().zip(known).filter(|(_, known)| **known).map(|(color, _)| color);
     let count = around().count() as f64;
     let mean: Vector3<f64> = around().sum::<Vector3<f64>>() / count;
     let spread: Matrix3<f64> = around().map(|color| (color - mean) * (color - mean).transpose()).sum();
-    (spread * (SPREAD / count) + Matrix3::identity() * floor).try_inverse()
+    (spread * (SPREAD / count) + light * light.transpose() + Matrix3::identity() * floor).try_inverse()
 }

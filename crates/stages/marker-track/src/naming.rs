@@ -20,15 +20,15 @@ const UNIT_PX: f64 = 200.0;
 /// Held against terms that the points do not determine.
 const RIDGE: f64 = 1e-7;
 /// Pairs of cameras that place known markers worse than this place no unknown ones, px.
-const WORST_PX: f64 = 1.5;
+pub(crate) const WORST_PX: f64 = 1.5;
 /// A dot is a marker's within this distance, px,
 const REACH_PX: f64 = 2.0;
 /// … if no dot nor other marker is nearer than this many times that distance.
 const ALONE: f64 = 2.0;
 /// … in at least so many of the images from so many before to as many after: what lies before a hidden marker by chance soon
 /// moves off.
-const AGREEING: usize = 4;
-const AROUND: usize = 3;
+pub(crate) const AGREEING: usize = 4;
+pub(crate) const AROUND: usize = 3;
 /// Points less sure than this teach nothing and place nothing.
 const SURE: f64 = 0.5;
 /// A name from other cameras is less sure than one from a label.
@@ -61,7 +61,7 @@ pub fn name_strays(frames: &mut [Tracks2dFrame], strays: &Strays) -> usize {
     found.iter().map(|([camera, marker], dots)| keep_agreeing(frames, *camera, *marker, dots)).sum()
 }
 
-type Models = BTreeMap<[usize; 3], Option<Model>>;
+pub(crate) type Models = BTreeMap<[usize; 3], Option<Model>>;
 
 /// Strays of an image that lie where a missing marker must be: the marker and the dot.
 fn claims(
@@ -144,28 +144,38 @@ fn place(
     cameras: usize,
     models: &Models,
 ) -> Option<[f64; 2]> {
+    let places = places(frame, camera, marker, cameras, models);
+    (!places.is_empty()).then(|| middle(&places))
+}
+
+/// What each pair of other cameras says.
+pub(crate) fn places(
+    frame: &Tracks2dFrame,
+    camera: usize,
+    marker: usize,
+    cameras: usize,
+    models: &Models,
+) -> Vec<[f64; 2]> {
     let by_pair = |pair: [usize; 2]| {
         let model = models.get(&[pair[0], pair[1], camera])?.as_ref()?;
         Some(model.place([sure(frame, pair[0], marker)?, sure(frame, pair[1], marker)?]))
     };
-    let places: Vec<[f64; 2]> =
-        pairs(frame, camera, marker, cameras).into_iter().filter_map(by_pair).collect();
-    let middle = |axis: usize| {
-        let mut values: Vec<f64> = places.iter().map(|at| at[axis]).collect();
-        crate::paint::median(&mut values)
-    };
-    (!places.is_empty()).then(|| [middle(0), middle(1)])
+    pairs(frame, camera, marker, cameras).into_iter().filter_map(by_pair).collect()
+}
+
+pub(crate) fn middle(places: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|axis| crate::paint::median(&mut places.iter().map(|at| at[axis]).collect::<Vec<_>>()))
 }
 
 /// From places in two cameras to the place in a third.
-struct Model {
+pub(crate) struct Model {
     /// `TERMS` × 2.
     weights: DMatrix<f64>,
 }
 
 impl Model {
     /// None where too few points are common, or do not fit.
-    fn learn(frames: &[Tracks2dFrame], [first, second, third]: [usize; 3]) -> Option<Self> {
+    pub(crate) fn learn(frames: &[Tracks2dFrame], [first, second, third]: [usize; 3]) -> Option<Self> {
         let step = frames.len().div_ceil(FRAMES).max(1);
         let mut points = Vec::new();
         for frame in frames.iter().step_by(step) {
@@ -217,6 +227,6 @@ fn terms(from: [[f64; 2]; 2]) -> [f64; TERMS] {
     terms
 }
 
-fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(crate) fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }

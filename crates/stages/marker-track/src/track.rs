@@ -16,7 +16,8 @@ const HALF_LIFE: f64 = 5.0;
 const LEAST_CONFIDENCE: f64 = 0.01;
 /// Dots that touch are shared out by guess.
 const SHARED_CONFIDENCE: f64 = 0.7;
-/// A marker that was hidden takes a dot only if no other guide is nearer to it than this many times its own.
+/// A marker that was hidden takes a dot only if no other marker is expected in its gate around the dot, nor nearer than this many
+/// times its own guide: where one passes behind the other, the dot is that of the one in front.
 const UNSURE: f64 = 1.5;
 /// Radius of a dot that was never seen, px.
 const UNSEEN_RADIUS: f64 = 3.0;
@@ -66,11 +67,11 @@ impl Prediction {
         Self { at, gate, radius: UNSEEN_RADIUS, area, guided: false, facing: true }
     }
 
-    /// Whether a dot that another marker finds `off` from its guide may be this one's instead: nearer to it although it faces away,
-    /// or, if the other was hidden just now, nearly as near.
-    pub(crate) fn owns(&self, dot: [f64; 2], off: f64, unsure: bool) -> bool {
+    /// Whether a dot that another marker finds `off` from its guide, of its gate, may be this one's instead: nearer to it although
+    /// it faces away, or, if the other was hidden just now, in reach at all.
+    pub(crate) fn owns(&self, dot: [f64; 2], off: f64, gate: f64, unsure: bool) -> bool {
         let away = (dot[0] - self.at[0]).hypot(dot[1] - self.at[1]);
-        (!self.facing && away < off) || (unsure && self.guided && away < UNSURE * off)
+        (!self.facing && away < off) || (unsure && away < gate.max(UNSURE * off))
     }
 
     pub(crate) fn reaches(&self, place: [f64; 2]) -> bool {
@@ -84,6 +85,11 @@ impl Track {
     pub(crate) fn set(&mut self, at: [f64; 2]) {
         let home = self.home;
         *self = Self { alive: true, at, confidence: LEAST_CONFIDENCE, hidden: 1.0, home, ..Self::default() };
+    }
+
+    /// Whether it is worth being looked for without a guide where others have one: it was seen just before, or is labelled.
+    pub(crate) fn is_known(&self) -> bool {
+        self.hidden == 0.0 || self.home.is_some()
     }
 
     fn radius(&self) -> f64 {
@@ -105,8 +111,8 @@ impl Track {
 
     /// Where 3D markers say.
     pub(crate) fn guided(&self, hint: Hint, gate: f64) -> Prediction {
-        // What is seen can be seen, whatever the patch of markers around it says.
-        let facing = hint.facing || (self.alive && self.hidden == 0.0);
+        // What is seen, or was labelled, can be seen, whatever the patch of markers around it says.
+        let facing = hint.facing || self.home.is_some() || (self.alive && self.hidden == 0.0);
         let (radius, area) = (self.radius(), self.late_area());
         Prediction { at: hint.at, gate, radius, area, guided: true, facing }
     }

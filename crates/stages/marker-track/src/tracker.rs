@@ -219,6 +219,7 @@ impl Tracker {
             .enumerate()
             .map(|(index, track)| match hint(index) {
                 Some(hint) => Some(track.guided(hint, self.params.guide_gate_px)),
+                None if hints.is_some() && !track.is_known() => None,
                 None => track.alive.then(|| track.predicted(frames)),
             })
             .collect();

@@ -85,7 +85,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let mut canvas = Canvas::enlarged(&picture, SCALE);
     for (index, dot) in dots.iter().enumerate() {
         canvas.cross(dot.at, 4, INK);
-        canvas.number(dot.at, index + 1, INK);
+        canvas.number(dot.at, index + 1, INK)?;
     }
     let picture = write_rgb8(&arguments.out, canvas.width, canvas.height, &canvas.rgb)?;
     let table = artifact::stage_bytes(&arguments.csv, &table(&arguments.camera, frame, &dots)?)?;

@@ -6,7 +6,7 @@ use super::guide::Guide;
 use super::start::{Start, check_ids};
 use anyhow::{Context, bail};
 use artifact::{FrameWriter, Labels, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
-use marker_track::{Edits, GuideHits, Params, Strays, name_strays};
+use marker_track::{Edits, GuideHits, Params, Strays, drop_misfits, drop_passing, name_strays};
 use serde::Serialize;
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
@@ -114,8 +114,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let strays: Strays = (0..numbers.len())
         .map(|index| cameras.iter_mut().map(|camera| std::mem::take(&mut camera.strays[index])).collect())
         .collect();
-    let named = run.timed("name", || name_strays(&mut frames, &strays));
-    run.result("named", named);
+    compare(run, &mut frames, &strays, guide.is_some());
     if let (Some(edits), Some(path)) = (edits, &arguments.edits) {
         edits.apply(&mut frames).with_context(|| path.display().to_string())?;
         run.result("edits", edits.count());
@@ -125,6 +124,18 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     }
     report(run, &header, &frames);
     write(run, arguments, header, &frames)
+}
+
+/// What the cameras say of each other's samples, and images of those around them.
+fn compare(run: &mut Run, frames: &mut [Tracks2dFrame], strays: &Strays, guided: bool) {
+    let misfits = run.timed("name", || drop_misfits(frames));
+    run.result("misfits", misfits);
+    let named = run.timed("name", || name_strays(frames, strays));
+    run.result("named", named);
+    if guided {
+        let dropped = run.timed("name", || drop_passing(frames));
+        run.result("passing", dropped);
+    }
 }
 
 fn read_edits(
