@@ -89,6 +89,19 @@ impl Run {
         self.print(message);
     }
 
+    /// Prints a line of a report that is what the user asked for: to standard output, where it can be kept, or, where JSON is
+    /// wanted there, among the messages.
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    pub fn report(&self, line: &str) -> anyhow::Result<()> {
+        match self.common.json {
+            true => self.print(line),
+            false => writeln!(std::io::stdout(), "{line}")?,
+        }
+        Ok(())
+    }
+
     /// Tells the user something only with `--verbose`.
     pub fn detail(&self, message: &str) {
         if self.common.verbose {
@@ -160,6 +173,23 @@ impl Run {
             }
         }
         Ok(())
+    }
+
+    /// Refuses outputs in folders that are not there: a path that was mistyped would make them, and nobody would look there.
+    ///
+    /// # Errors
+    /// Names the folder.
+    pub fn check_folders(&self, paths: &[&Path]) -> anyhow::Result<()> {
+        let folders = paths.iter().filter_map(|path| Some((path, path.parent()?)));
+        let mut missing = folders.filter(|(_, folder)| !folder.as_os_str().is_empty() && !folder.is_dir());
+        match missing.next() {
+            Some((path, folder)) => bail!(
+                "{}: there is no folder {}\n  to do: correct the name, or make the folder",
+                path.display(),
+                folder.display()
+            ),
+            None => Ok(()),
+        }
     }
 
     /// Objects to what was found: the work is done and its summary is printed, but the run ends with `why` and exit

@@ -119,19 +119,10 @@ pub(super) fn check_corners(run: &mut Run, path: &Path, corners: &Corners) -> an
 pub(super) fn check_outputs(run: &Run, paths: &[Option<&Path>]) -> anyhow::Result<()> {
     let paths: Vec<&Path> = paths.iter().flatten().copied().collect();
     run.check_outputs(&paths)?;
-    for path in paths {
+    for path in &paths {
         if path.is_dir() {
             bail!("{}: is a folder\n  to do: name a file", path.display());
         }
-        if let Some(file) =
-            path.ancestors().skip(1).find(|above| above.exists()).filter(|above| above.is_file())
-        {
-            bail!(
-                "{}: {} is a file, not a folder\n  to do: name another place",
-                path.display(),
-                file.display()
-            );
-        }
     }
-    Ok(())
+    run.check_folders(&paths)
 }

@@ -13,7 +13,7 @@ use std::path::Path;
 /// What is known beside the points.
 pub(super) struct Given<'a> {
     /// How images are named; of a folder only.
-    pub(super) images: Option<&'a str>,
+    pub(super) name: Option<&'a str>,
     pub(super) take: Option<&'a Take>,
     pub(super) lenses: Option<&'a CameraRig>,
     pub(super) without: &'a [String],
@@ -27,8 +27,8 @@ pub(super) fn read(run: &mut Run, input: &Path, given: &Given) -> anyhow::Result
     let ending = input.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let (mut seen, sizes) = match ending.as_deref() {
         _ if input.is_dir() => from_images(run, input, given)?,
-        _ if given.images.is_some() => {
-            bail!("--images: {} is no folder of images\n  to do: leave --images out", input.display())
+        _ if given.name.is_some() => {
+            bail!("--name: {} is no folder of images\n  to do: leave --name out", input.display())
         }
         Some("jsonl") => (from_tracks(run, input)?, BTreeMap::new()),
         Some("csv") => (from_table(run, input)?, BTreeMap::new()),
@@ -105,7 +105,7 @@ fn from_images(
     given: &Given,
 ) -> anyhow::Result<(Seen, BTreeMap<String, [u32; 2]>)> {
     let all: Vec<Shots> =
-        shots::in_folder(folder, given.images.unwrap_or("{frame:06}.png"))?.into_values().collect();
+        shots::in_folder(folder, given.name.unwrap_or("{frame:06}.png"))?.into_values().collect();
     let mut light = BTreeMap::new();
     for shots in &all {
         light.insert(shots.camera.as_str(), transfer(&shots.camera, given)?.light_of_codes());
