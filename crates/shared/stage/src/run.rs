@@ -175,14 +175,13 @@ impl Run {
         Ok(())
     }
 
-    /// Refuses outputs in folders that are not there: a path that was mistyped would make them, and nobody would look there.
+    /// Refuses outputs in folders that are far from there: one new folder is made for an output, but not two within each other,
+    /// nor one at the root of the disk; such paths are mistyped, and nobody would look there.
     ///
     /// # Errors
     /// Names the folder.
     pub fn check_folders(&self, paths: &[&Path]) -> anyhow::Result<()> {
-        let folders = paths.iter().filter_map(|path| Some((path, path.parent()?)));
-        let mut missing = folders.filter(|(_, folder)| !folder.as_os_str().is_empty() && !folder.is_dir());
-        match missing.next() {
+        match paths.iter().find_map(|path| Some((path, far_folder(path)?))) {
             Some((path, folder)) => bail!(
                 "{}: there is no folder {}\n  to do: correct the name, or make the folder",
                 path.display(),
@@ -246,6 +245,14 @@ fn same_file(a: &Path, b: &Path) -> bool {
         path.canonicalize().ok().or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
     };
     a == b || place(a).is_some_and(|a| place(b) == Some(a))
+}
+
+/// The folder of an output, if it is not there and is not one to be made.
+fn far_folder(path: &Path) -> Option<&Path> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir())?;
+    let above = folder.parent()?;
+    let is_near = above.as_os_str().is_empty() || (above.is_dir() && above.parent().is_some());
+    (!is_near || folder.exists()).then_some(folder)
 }
 
 /// Numbers for people: four significant digits.

@@ -224,7 +224,7 @@ fn grid(text: &str) -> Result<[u32; 2], String> {
 /// Refuses a board that cannot be.
 fn checked(board: Board, from: &str) -> anyhow::Result<Board> {
     if let Err(what) = board.check() {
-        bail!("{from}: {what}");
+        bail!("{from}: {what}\n  to do: describe the board as it is printed");
     }
     Ok(board)
 }

@@ -28,7 +28,10 @@ impl Footage {
     pub(super) fn leave_out<T>(&self, from: &Path, cameras: &mut BTreeMap<String, T>) -> anyhow::Result<()> {
         for id in &self.without {
             if cameras.remove(id).is_none() {
-                bail!("--without {id}: {} has no such camera", from.display());
+                bail!(
+                    "--without {id}: {} has no such camera\n  to do: name one of its cameras",
+                    from.display()
+                );
             }
         }
         Ok(())

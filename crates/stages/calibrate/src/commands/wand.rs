@@ -71,7 +71,9 @@ impl Arguments {
         }
         let length = |word: &Word| match word {
             Word::Length(length) => Ok(length.clone()),
-            _ => anyhow::bail!("--scale: lengths A:B=MM can be given together, nothing else"),
+            _ => anyhow::bail!(
+                "--scale: lengths A:B=MM can be given together, nothing else\n  to do: give lengths, or one word"
+            ),
         };
         Ok(Scale::Lengths(self.scale.iter().map(length).collect::<anyhow::Result<_>>()?))
     }

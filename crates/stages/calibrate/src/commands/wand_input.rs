@@ -34,12 +34,12 @@ pub(super) fn read(run: &mut Run, input: &Path, given: &Given) -> anyhow::Result
         Some("csv") => (from_table(run, input)?, BTreeMap::new()),
         _ => {
             let what = "is neither a folder of images nor points as .jsonl or .csv";
-            return Err(Error::new(input, what).into());
+            return Err(Error::new(input, what).fix("name such a folder or file").into());
         }
     };
     for id in given.without {
         if seen.remove(id).is_none() {
-            bail!("--without {id}: {} has no such camera", input.display());
+            bail!("--without {id}: {} has no such camera\n  to do: name one of its cameras", input.display());
         }
     }
     let frames: BTreeSet<i64> = seen.values().flat_map(|seen| seen.keys().copied()).collect();
@@ -86,11 +86,13 @@ fn size(
 }
 
 fn lens(id: &str, image_size: [u32; 2], rig: &CameraRig) -> anyhow::Result<camera::Lens> {
-    let Some(known) = rig.cameras.get(id) else { bail!("--intrinsics: there is no camera {id}") };
+    let Some(known) = rig.cameras.get(id) else {
+        bail!("--intrinsics: there is no camera {id}\n  to do: add it there, or leave it out with --without")
+    };
     let [width, height] = known.camera.image_size;
     if known.camera.image_size != image_size {
         bail!(
-            "--intrinsics: camera {id} has {width} × {height} px there, but {} × {} px here",
+            "--intrinsics: camera {id} has {width} × {height} px there, but {} × {} px here\n  to do: give lenses of this image size",
             image_size[0],
             image_size[1]
         );
@@ -152,7 +154,7 @@ fn from_tracks(run: &mut Run, path: &Path) -> anyhow::Result<Seen> {
     let header = reader.header().clone();
     if header.markers.len() != 1 {
         let what = format!("holds {} markers; a wand has one", header.markers.len());
-        return Err(Error::new(path, what).into());
+        return Err(Error::new(path, what).fix("give the tracks of the one point that was waved").into());
     }
     let mut seen: Seen = header.cameras.iter().map(|id| (id.clone(), BTreeMap::new())).collect();
     for frame in reader {
@@ -176,11 +178,15 @@ fn from_table(run: &mut Run, path: &Path) -> anyhow::Result<Seen> {
     let header: Option<String> =
         lines.next().map(|(_, line)| line.chars().filter(|c| !c.is_whitespace()).collect());
     if header.as_deref() != Some(COLUMNS) {
-        return Err(Error::new(path, format!("its first line is not {COLUMNS}")).at("line 1").into());
+        let error = Error::new(path, format!("its first line is not {COLUMNS}")).at("line 1");
+        return Err(error.fix("name the columns there, in this order").into());
     }
     let mut seen = Seen::new();
     for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let refuse = |what: &str| Error::new(path, what).at(format!("line {}", number + 1));
+        let refuse = |what: &str| {
+            let error = Error::new(path, what).at(format!("line {}", number + 1));
+            error.fix(format!("correct the line; its columns are {COLUMNS}"))
+        };
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         let [frame, camera, x, y] = cells[..] else { return Err(refuse("has not four cells").into()) };
         let coordinate = |text: &str| match text.parse::<f64>() {
