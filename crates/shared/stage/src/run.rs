@@ -161,6 +161,8 @@ impl Run {
     /// # Errors
     /// Names the output.
     pub fn check_outputs(&self, paths: &[&Path]) -> anyhow::Result<()> {
+        let paths: Vec<&Path> =
+            paths.iter().copied().filter(|path| !artifact::is_standard_stream(path)).collect();
         for (i, path) in paths.iter().enumerate() {
             if self.input_paths.iter().any(|input| same_file(input, path)) {
                 bail!(

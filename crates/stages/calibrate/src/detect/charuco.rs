@@ -65,6 +65,8 @@ type Marker = [(Point2<f64>, Point2<f64>); 4];
 /// The markers that were found and lie as on the board.
 struct Markers(Vec<Marker>);
 
+/// Fewer markers may be none: what looks like one is found in many a picture.
+const AGREEING: usize = 2;
 /// How far a marker may lie from where most others say, squares: lenses bend boards, but not so far.
 const ASTRAY: f64 = 0.5;
 /// A corner's place is said by so many markers, the nearest.
@@ -96,8 +98,8 @@ impl Markers {
 
     /// Those about which most agree.
     fn without_strays(self, square_mm: f64) -> Result<Self, DetectError> {
-        if self.0.len() < 2 {
-            return Ok(self);
+        if self.0.len() < AGREEING {
+            return Ok(Self(Vec::new()));
         }
         let float = |at: Point2<f64>| Point2f::new(at.x as f32, at.y as f32);
         let from: Vector<Point2f> = self.0.iter().flatten().map(|(_, at)| float(*at)).collect();
@@ -106,9 +108,9 @@ impl Markers {
         find_homography(&from, &to, &mut fits, RANSAC, ASTRAY * square_mm)?;
         let fits = fits.to_vec();
         let pairs = self.0.into_iter().zip(fits.chunks(4));
-        Ok(Self(
-            pairs.filter(|(_, fits)| fits.iter().all(|fit| *fit != 0)).map(|(marker, _)| marker).collect(),
-        ))
+        let fitting = pairs.filter(|(_, fits)| fits.iter().all(|fit| *fit != 0));
+        let kept: Vec<Marker> = fitting.map(|(marker, _)| marker).collect();
+        Ok(Self(if kept.len() < AGREEING { Vec::new() } else { kept }))
     }
 
     /// Where the markers around a corner say that it is; none where there are none.
