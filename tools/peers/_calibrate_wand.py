@@ -35,7 +35,7 @@ def calibrated(ctx, seed):
     folder, rig, tracks = take(ctx, seed), ctx.tmp / f"wand-{seed}.json", ctx.tmp / f"wand-{seed}.jsonl"
     if not rig.exists():
         images = folder / "take" / "calibration" / "wand"
-        ctx.run([ctx.binary("calibrate"), "wand", images, "--scale", lengths(folder), "--out", rig, "--tracks", tracks])
+        ctx.run([ctx.binary("calibrate"), "wand", images, "--scale", lengths(folder), "--out", rig, "--out-tracks", tracks])
     return folder, rig, tracks
 
 

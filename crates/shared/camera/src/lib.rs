@@ -2,7 +2,7 @@
 //!
 //! Transforms are named `target_from_source`. [`fit_rigid`] and [`fit_similarity`] find the one that carries a set
 //! of points onto another [Horn1987]; [`Camera`] is a calibrated camera with its [`Lens`], [`Pinhole`] one without distortion
-//! for drawing.
+//! for drawing. [`place_at_zero`] says where a tracked point was between images.
 //!
 //! ```
 //! use nalgebra::{Point3, Vector3, UnitQuaternion, Isometry3};
@@ -17,10 +17,12 @@ mod align;
 mod camera;
 mod lens;
 mod pinhole;
+mod time;
 mod triangulate;
 
 pub use align::{AlignError, fit_rigid, fit_similarity};
 pub use camera::Camera;
 pub use lens::{BrownConrady, Lens};
 pub use pinhole::Pinhole;
+pub use time::place_at_zero;
 pub use triangulate::nearest_to_lines;

@@ -89,6 +89,19 @@ impl Run {
         self.print(message);
     }
 
+    /// Prints a line of a report that is what the user asked for: to standard output, where it can be kept, or, where JSON is
+    /// wanted there, among the messages.
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    pub fn report(&self, line: &str) -> anyhow::Result<()> {
+        match self.common.json {
+            true => self.print(line),
+            false => writeln!(std::io::stdout(), "{line}")?,
+        }
+        Ok(())
+    }
+
     /// Tells the user something only with `--verbose`.
     pub fn detail(&self, message: &str) {
         if self.common.verbose {
@@ -148,6 +161,8 @@ impl Run {
     /// # Errors
     /// Names the output.
     pub fn check_outputs(&self, paths: &[&Path]) -> anyhow::Result<()> {
+        let paths: Vec<&Path> =
+            paths.iter().copied().filter(|path| !artifact::is_standard_stream(path)).collect();
         for (i, path) in paths.iter().enumerate() {
             if self.input_paths.iter().any(|input| same_file(input, path)) {
                 bail!(
@@ -160,6 +175,22 @@ impl Run {
             }
         }
         Ok(())
+    }
+
+    /// Refuses outputs in folders that are far from there: one new folder is made for an output, but not two within each other,
+    /// nor one at the root of the disk; such paths are mistyped, and nobody would look there.
+    ///
+    /// # Errors
+    /// Names the folder.
+    pub fn check_folders(&self, paths: &[&Path]) -> anyhow::Result<()> {
+        match paths.iter().find_map(|path| Some((path, far_folder(path)?))) {
+            Some((path, folder)) => bail!(
+                "{}: there is no folder {}\n  to do: correct the name, or make the folder",
+                path.display(),
+                folder.display()
+            ),
+            None => Ok(()),
+        }
     }
 
     /// Objects to what was found: the work is done and its summary is printed, but the run ends with `why` and exit
@@ -216,6 +247,14 @@ fn same_file(a: &Path, b: &Path) -> bool {
         path.canonicalize().ok().or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
     };
     a == b || place(a).is_some_and(|a| place(b) == Some(a))
+}
+
+/// The folder of an output, if it is not there and is not one to be made.
+fn far_folder(path: &Path) -> Option<&Path> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir())?;
+    let above = folder.parent()?;
+    let is_near = above.as_os_str().is_empty() || (above.is_dir() && above.parent().is_some());
+    (!is_near || folder.exists()).then_some(folder)
 }
 
 /// Numbers for people: four significant digits.

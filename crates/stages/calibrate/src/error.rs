@@ -53,13 +53,17 @@ pub enum Error {
     )]
     Apart(Vec<Vec<String>>),
     /// A camera is named that is not there.
-    #[error("camera {0} is not among the cameras")]
+    #[error("camera {0} is not among the cameras\n  to do: name one of them")]
     UnknownCamera(String),
     /// The frame that shall carry the world is not there.
-    #[error("frame {0} shall be the world, but no camera saw the board there")]
+    #[error(
+        "frame {0} shall be the world, but no camera saw the board there\n  to do: name a frame of the corners"
+    )]
     UnknownFrame(i64),
     /// No marker was seen by two cameras at once.
-    #[error("no marker was seen by two cameras at once, from places where its rays meet")]
+    #[error(
+        "no marker was seen by two cameras at once, from places where its rays meet\n  to do: give tracks of markers that several cameras see at once, and cameras that are about right"
+    )]
     NoTracks,
     /// Two sources say different things of a camera.
     #[error("camera {camera}: {what}")]

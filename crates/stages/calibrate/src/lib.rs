@@ -40,7 +40,7 @@ pub use corners::{BoardCorners, BoardFile, Corners, CornersFrame, CornersHeader}
 pub use detect::{DetectError, Picture, find_corners};
 pub use error::Error;
 pub use joint::{Calibration, Residual, calibrate_board};
-pub use params::{LensModel, Params, Robust};
-pub use picture::{FontError, Sheet, draw};
+pub use params::{FEWEST_CORNERS, LensModel, Params, Robust};
+pub use picture::draw;
 pub use refine::{RefineParams, Refined, refine_with_corners, refine_with_tracks};
 pub use report::{CELLS, CameraReport, Report};

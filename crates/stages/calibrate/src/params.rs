@@ -68,7 +68,7 @@ impl Default for Params {
 }
 
 /// Fewest corners that fix a board's pose.
-const FEWEST_CORNERS: usize = 4;
+pub const FEWEST_CORNERS: usize = 4;
 
 impl Params {
     /// Refuses values that make no sense.

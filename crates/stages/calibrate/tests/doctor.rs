@@ -3,7 +3,9 @@
 
 mod rig;
 
-use calibrate::doctor::{Evidence, Examination, Kind, KnownLength, Params, Patient, Sighting, examine};
+use calibrate::doctor::{
+    Evidence, Examination, Kind, KnownLength, LengthEnds, Params, Patient, Sighting, at_frame_times, examine,
+};
 use camera::Camera;
 use nalgebra::{Isometry3, Point3, Rotation3, Unit, UnitQuaternion, Vector2, Vector3};
 use rand::{Rng, SeedableRng};
@@ -270,7 +272,7 @@ fn a_board_printed_too_small_shows_in_its_squares() {
     // Neighbours in the first frame, 16 mm apart in x as the face was made; their true distances stand for a board's squares.
     let filmed = face(1, 0.0);
     let length = |point: usize, factor: f64| KnownLength {
-        ends: [point * 60, (point + 1) * 60],
+        ends: LengthEnds::Sightings([point * 60, (point + 1) * 60]),
         mm: factor * (filmed.paths[point][0] - filmed.paths[point + 1][0]).norm(),
     };
     evidence.lengths = (0..80).filter(|point| point % 9 < 8).map(|point| length(point, 1.0)).collect();
@@ -279,4 +281,31 @@ fn a_board_printed_too_small_shows_in_its_squares() {
     let findings = examine(&evidence, &Params::default()).findings;
     assert_eq!(findings.len(), 1, "{findings:?}");
     assert!(findings[0].kind == Kind::Length && (findings[0].number + 0.02).abs() < 0.003, "{findings:?}");
+}
+
+#[test]
+fn the_distance_of_two_cameras_is_a_known_length() {
+    let mut evidence = face(1, 0.05).evidence();
+    let eye = |c: usize| evidence.patients[c].camera.eye_in_world();
+    let mm = 1.02 * (eye(0) - eye(3)).norm();
+    evidence.lengths = vec![KnownLength { ends: LengthEnds::Cameras([0, 3]), mm }];
+    let findings = examine(&evidence, &Params::default()).findings;
+    assert!(findings.len() == 1 && findings[0].kind == Kind::Length, "{findings:?}");
+}
+
+#[test]
+fn a_camera_whose_clock_is_known_to_be_off_is_judged_at_its_own_times() {
+    let mut filmed = face(1, 0.05);
+    for track in &mut filmed.seen[2] {
+        track.rotate_right(1);
+        track[0] = None;
+    }
+    let mut evidence = filmed.evidence();
+    let kinds = |evidence: &Evidence| -> Vec<Kind> {
+        examine(evidence, &Params::default()).findings.iter().map(|finding| finding.kind).collect()
+    };
+    assert_eq!(kinds(&evidence), [Kind::Late]);
+    evidence.sightings =
+        at_frame_times(&evidence.sightings, |camera, _| if camera == 2 { -1.0 } else { 0.0 });
+    assert_eq!(kinds(&evidence), []);
 }

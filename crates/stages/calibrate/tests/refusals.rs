@@ -132,8 +132,8 @@ fn a_doctor_that_is_shown_nothing_says_so() {
     corners(&folder, "c.jsonl", "cam_0", [656, 490], "10", 4.0);
     assert_refused(&folder, "doctor cameras.json --corners c.jsonl", &["camera cam_0", "no such camera"]);
     wand(&folder);
-    let line = "doctor cameras.json --tracks wand.jsonl --length 0:100000=100";
-    assert_refused(&folder, line, &["--length 0:100000=100"]);
+    let line = "doctor cameras.json --tracks wand.jsonl --scale 0:100000=100";
+    assert_refused(&folder, line, &["--scale 0:100000=100", "to do: name two markers"]);
 }
 
 #[test]
@@ -148,8 +148,8 @@ fn image_sizes_are_checked_by_refine_and_wand() {
     assert!(code == 0 && said.contains("camera m1: all its points lie above and left"), "{code} {said}");
     let line = "wand wand.jsonl --take take2.json --scale unknown --intrinsics cameras1.json --out out.json";
     assert_refused(&folder, line, &["camera m1", "1312 × 980 px"]);
-    let line = "wand wand.jsonl --images foo --take take1.json --scale unknown --out out.json";
-    assert_refused(&folder, line, &["--images", "no folder"]);
+    let line = "wand wand.jsonl --name foo --take take1.json --scale unknown --out out.json";
+    assert_refused(&folder, line, &["--name", "no folder"]);
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn outputs_are_checked_before_long_work() {
     wand(&folder);
     cameras(&folder, "cameras.json", 1);
     let under = "refine --cameras cameras.json --tracks wand.jsonl --out wand.jsonl/x.json";
-    assert_refused(&folder, under, &["wand.jsonl is a file, not a folder"]);
+    assert_refused(&folder, under, &["there is no folder wand.jsonl"]);
     let over = "refine --cameras cameras.json --tracks wand.jsonl --out cameras.json";
     assert_refused(&folder, over, &["would be written over an input"]);
     std::fs::create_dir(folder.path().join("full")).unwrap();
@@ -179,7 +179,7 @@ fn what_is_not_determined_and_not_in_millimetres_is_told() {
     assert!(code == 0 && !said.contains("hardly tell"), "{said}");
     let (code, said) = call(
         &folder,
-        "wand wand.jsonl --intrinsics cameras.json --scale unknown --out w.json --tracks t.jsonl",
+        "wand wand.jsonl --intrinsics cameras.json --scale unknown --out w.json --out-tracks t.jsonl",
     );
     assert!(
         code == 0 && said.contains("the scale is not known") && said.contains("scale: unknown"),

@@ -71,7 +71,7 @@ fn a_table_becomes_cameras_that_the_doctor_finds_healthy() {
         &length,
         "--out",
         "cameras.json",
-        "--tracks",
+        "--out-tracks",
         "wand.jsonl",
     ];
     let done = calibrate(&folder, &words);
@@ -80,7 +80,7 @@ fn a_table_becomes_cameras_that_the_doctor_finds_healthy() {
     let cameras: Vec<Camera> = found.cameras.values().map(|camera| camera.camera.clone()).collect();
     assert!(rig::marker_error(&truth, &cameras) < 0.08);
     let healthy =
-        calibrate(&folder, &["doctor", "cameras.json", "--tracks", "wand.jsonl", "--length", &length]);
+        calibrate(&folder, &["doctor", "cameras.json", "--tracks", "wand.jsonl", "--scale", &length]);
     assert!(healthy.status.success(), "{}", said(&healthy));
 
     let mut ill = found;
@@ -88,7 +88,7 @@ fn a_table_becomes_cameras_that_the_doctor_finds_healthy() {
     write(&folder, "ill.json", &ill);
     let examined = calibrate(&folder, &["doctor", "ill.json", "--tracks", "wand.jsonl"]);
     assert_eq!(examined.status.code(), Some(1));
-    let report = said(&examined);
+    let report = String::from_utf8_lossy(&examined.stdout);
     assert!(report.contains("camera m3: its focal length is +") && report.contains("to do: "), "{report}");
 }
 

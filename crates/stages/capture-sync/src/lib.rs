@@ -57,7 +57,7 @@ pub use cadence::Cadence;
 pub use chart::draw;
 pub use error::Error;
 pub use frame_times::{FrameTimes, frame_times};
-pub use params::{Mode, Params};
+pub use params::{DRIFT_PRIOR_PPM, LATE_FRAMES, Mode, Params, SEARCH_S};
 pub use reading::{CELL_COUNT, Reading};
 pub use recording::{Image, Recording};
 pub use skew::{Skew, Speeds, skews, speeds};

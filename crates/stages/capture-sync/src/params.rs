@@ -3,6 +3,7 @@
 use crate::Error;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 /// Where the time of the images is taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -47,21 +48,27 @@ impl Default for Params {
     }
 }
 
+/// How far the cameras' starts may lie apart, s.
+pub const SEARCH_S: RangeInclusive<f64> = 0.0..=600.0;
+/// How far off clocks may be expected to run, ppm.
+pub const DRIFT_PRIOR_PPM: RangeInclusive<f64> = 1e-3..=1e5;
+/// How much later a camera may be said to take its images, mocap frames.
+pub const LATE_FRAMES: RangeInclusive<f64> = -1e4..=1e4;
+
 impl Params {
     /// Refuses values that make no sense.
     ///
     /// # Errors
     /// [`Error::Parameter`].
     pub fn check(&self) -> Result<(), Error> {
-        let check =
-            |name, value: f64, range: std::ops::RangeInclusive<f64>, allowed| match range.contains(&value) {
-                true => Ok(()),
-                false => Err(Error::Parameter { name, value, allowed }),
-            };
-        check("search-s", self.search_s, 0.0..=600.0, "0 to 600 s are allowed")?;
-        check("drift-prior-ppm", self.drift_prior_ppm, 1e-3..=1e5, "0.001 to 100000 ppm are allowed")?;
+        let check = |name, value: f64, range: RangeInclusive<f64>, allowed| match range.contains(&value) {
+            true => Ok(()),
+            false => Err(Error::Parameter { name, value, allowed }),
+        };
+        check("search-s", self.search_s, SEARCH_S, "0 to 600 s are allowed")?;
+        check("drift-prior-ppm", self.drift_prior_ppm, DRIFT_PRIOR_PPM, "0.001 to 100000 ppm are allowed")?;
         self.late.values().try_for_each(|&frames| {
-            check("late", frames, -1e4..=1e4, "-10000 to 10000 mocap frames are allowed")
+            check("late", frames, LATE_FRAMES, "-10000 to 10000 mocap frames are allowed")
         })
     }
 }

@@ -70,7 +70,7 @@ fn it_writes_the_time_base_and_the_images_by_frame() {
 fn only_what_is_asked_for_is_written() {
     let folder = tempfile::tempdir().unwrap();
     take(&folder);
-    let asked = ["run", "take.json", "--out", "out", "--frames", "1003-1004", "--cameras", "a"];
+    let asked = ["run", "take.json", "--out", "out", "--frames", "1003-1004", "--camera", "a"];
     assert!(call(&folder, &asked).status.success());
     let images: Vec<_> = std::fs::read_dir(folder.path().join("out/a")).unwrap().collect();
     assert_eq!((images.len(), folder.path().join("out/b").exists()), (2, false));
@@ -137,7 +137,7 @@ fn bad_footage_is_refused_by_name() {
         .publish()
         .unwrap();
     assert_refused(&folder, &[], &["footage/b.csv", "camera b", "image 20 without a time stamp"]);
-    assert_refused(&new(), &["--cameras", "z"], &["take.json", "no camera z", "a, b"]);
+    assert_refused(&new(), &["--camera", "z"], &["take.json", "no camera z", "a, b"]);
     assert_refused(&new(), &["--frames", "5-7"], &["take.json", "5-7"]);
     assert_refused(&new(), &["--mode", "flash"], &["take.json", "camera a", "no flash"]);
 }
@@ -213,7 +213,7 @@ fn footage_is_never_written_over() {
         // Also where another camera's footage lies beside.
         assert_untouched(
             &folder,
-            &["run", "take.json", "--out", out, "--cameras", "b"],
+            &["run", "take.json", "--out", out, "--camera", "b"],
             &["footage of camera a"],
         );
     }
@@ -238,7 +238,7 @@ fn images_of_an_earlier_run_go_and_those_of_others_stay() {
     assert!(run("1007-1008").status.success());
     assert_eq!(images(), ["a/001007.png", "a/001008.png", "b/001007.png", "b/001008.png"]);
     // A camera that is no longer used leaves no folder.
-    assert!(call(&folder, &["run", "take.json", "--out", "out", "--cameras", "a"]).status.success());
+    assert!(call(&folder, &["run", "take.json", "--out", "out", "--camera", "a"]).status.success());
     assert!(!folder.path().join("out/b").exists());
     std::fs::write(folder.path().join("out/a/999999.png"), "mine").unwrap();
     let again = ["run", "take.json", "--out", "out"];

@@ -40,6 +40,6 @@ pub enum Error {
         limit: usize,
     },
     /// The font that the program carries is damaged.
-    #[error("the built-in font cannot be read")]
-    Font,
+    #[error(transparent)]
+    Font(#[from] artifact::canvas::FontError),
 }

@@ -28,7 +28,6 @@ mod render;
 mod shade;
 pub mod sheet;
 mod surface;
-mod text;
 mod values;
 mod view;
 
@@ -37,6 +36,5 @@ pub use error::Error;
 pub use params::{Backdrop, Look};
 pub use render::render;
 pub use surface::Surface;
-pub use text::Pen;
 pub use values::{Spread, ValueRange, distances};
 pub use view::{Axes, CloseUp, Frame, SignedAxis, View};

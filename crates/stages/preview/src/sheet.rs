@@ -1,6 +1,8 @@
 //! Contact sheets: pictures in a grid, with a title, captions and a colour bar.
 
-use crate::{Backdrop, ColorMap, Error, Pen, ValueRange};
+use crate::dots::blend;
+use crate::{Backdrop, ColorMap, Error, ValueRange};
+use artifact::canvas::Pen;
 use image::{Rgb, RgbImage, imageops};
 
 /// The longest side of a sheet, pixels.
@@ -110,7 +112,7 @@ pub fn compose(sheet: &Sheet, cells: &[Cell]) -> Result<RgbImage, Error> {
         write_caption(&mut paper, &pen, &plan, cell, [x, y + plan.cell[1]], sheet.backdrop);
     }
     let margin = plan.gap as f32 + plan.text * 0.6;
-    pen.write(&mut paper, &sheet.title, [margin, plan.text * 0.6], plan.text * 1.3, sheet.backdrop.ink());
+    write(&mut paper, &pen, &sheet.title, [margin, plan.text * 0.6], plan.text * 1.3, sheet.backdrop.ink());
     if let Some(bar) = &sheet.bar {
         draw_bar(&mut paper, &pen, &plan, sheet, bar);
     }
@@ -128,6 +130,16 @@ pub fn check_size(width: usize, height: usize) -> Result<(), Error> {
     }
 }
 
+/// Writes a text from its upper left corner on, lines `height` pixels high; what lies beyond the paper is cut off.
+fn write(paper: &mut RgbImage, pen: &Pen, text: &str, at: [f32; 2], height: f32, color: [u8; 3]) {
+    pen.write(text, at, height, |x, y, cover| {
+        let [Ok(x), Ok(y)] = [x, y].map(u32::try_from) else { return };
+        if let Some(pixel) = paper.get_pixel_mut_checked(x, y) {
+            blend(pixel, color, cover);
+        }
+    });
+}
+
 fn write_caption(
     paper: &mut RgbImage,
     pen: &Pen,
@@ -142,10 +154,10 @@ fn write_caption(
     let start = [at[0] as f32 + indent, at[1] as f32 + plan.text * 0.2];
     let room = plan.cell[0] as f32 - 2.0 * indent;
     let name = pen.fitted(&cell.name, plan.text, room);
-    pen.write(paper, &name, start, plan.text, ink);
+    write(paper, pen, &name, start, plan.text, ink);
     let used = if name.is_empty() { 0.0 } else { pen.width(&name, plan.text) + plan.text * 0.8 };
     let note = pen.fitted(&cell.note, plan.text, room - used);
-    pen.write(paper, &note, [start[0] + used, start[1]], plan.text, pale);
+    write(paper, pen, &note, [start[0] + used, start[1]], plan.text, pale);
 }
 
 /// Upright, in the middle of the right side, high end on top.
@@ -159,14 +171,14 @@ fn draw_bar(paper: &mut RgbImage, pen: &Pen, plan: &Plan, sheet: &Sheet, bar: &C
         let color = bar.map.at(1.0 - f64::from(row) / f64::from(height - 1)).map(|value| value.round() as u8);
         (0..width).for_each(|column| mark(paper, left + column, top + row, color));
     }
-    pen.write(paper, &bar.caption, [left as f32, top as f32 - text * 1.9], text, ink);
+    write(paper, pen, &bar.caption, [left as f32, top as f32 - text * 1.9], text, ink);
     let high = bar.range.high;
     for value in ticks(bar.range) {
         let y = (f64::from(top) + (1.0 - bar.range.place(value)) * f64::from(height - 1)).round() as u32;
         let start = left + width;
         (0..(text * 0.35) as u32).for_each(|k| mark(paper, start + k, y, ink));
         let label = bar_label(value, sheet, value == high);
-        pen.write(paper, &label, [start as f32 + text * 0.6, y as f32 - text * 0.55], text, ink);
+        write(paper, pen, &label, [start as f32 + text * 0.6, y as f32 - text * 0.55], text, ink);
     }
 }
 

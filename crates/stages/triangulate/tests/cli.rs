@@ -141,6 +141,15 @@ fn a_calibration_of_larger_images_is_refused() {
 }
 
 #[test]
+fn a_mistyped_folder_is_not_made() {
+    let folder = folder();
+    for path in ["nosuch/deeper/t.c3d", "/nosuch/t.c3d"] {
+        refused(folder.path(), &["--c3d", path], &[path, "there is no folder", "to do"]);
+    }
+    assert!(!folder.path().join("nosuch").exists());
+}
+
+#[test]
 fn usage_is_exit_2_and_the_help_says_it_all() {
     let folder = folder();
     assert_eq!(triangulate(folder.path(), &["--smooth-ms", "-1"]).status.code(), Some(2));

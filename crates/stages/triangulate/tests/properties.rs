@@ -126,20 +126,29 @@ fn late_cameras_are_interpolated_to_the_time_of_the_frame() {
         rest().iter().map(|p| p + Vector3::new(shift, 0.0, 0.0)).collect()
     };
     let truth: Vec<_> = (0..40).map(|f| at(f64::from(f))).collect();
-    let late: Vec<_> = (0..40).map(|f| at(f64::from(f) + 0.4)).collect();
-    let mut seen = tracks(&rig(), &truth, 0.0, 9);
-    for (frame, late) in seen.iter_mut().zip(tracks(&rig(), &late, 0.0, 9)) {
-        frame.cameras[1] = late.cameras[1].clone();
-    }
-    let clock = |offset_frames| SyncCamera {
+    // One camera lags, another one's clock runs so slowly that its lag grows past half a frame: then the next image is nearer.
+    let clock = |offset_frames, drift_ppm| SyncCamera {
         rate: Rate::per_second(50),
         every: 1,
         phase: 1001,
         offset_frames,
-        drift_ppm: 0.0,
+        drift_ppm,
         source: SyncSource::Correlation,
     };
-    let cameras = (1..=6).map(|i| (format!("m{i}"), clock(if i == 2 { 0.4 } else { 0.0 }))).collect();
+    let clock_of = |camera: usize| match camera {
+        1 => clock(0.4, 0.0),
+        4 => clock(0.0, 30_000.0),
+        _ => clock(0.0, 0.0),
+    };
+    let mut seen = tracks(&rig(), &truth, 0.0, 9);
+    for camera in [1, 4] {
+        let times = (0..40).map(|f| f as f64 + clock_of(camera).lag_frames(1001 + f));
+        let shown: Vec<_> = times.map(at).collect();
+        for (frame, shown) in seen.iter_mut().zip(tracks(&rig(), &shown, 0.0, 9)) {
+            frame.cameras[camera] = shown.cameras[camera].clone();
+        }
+    }
+    let cameras = (0..6).map(|camera| (format!("m{}", camera + 1), clock_of(camera))).collect();
     let sync = SyncHeader { rate: Rate::per_second(50), clock: Clock::Mocap, cameras, take: None };
     let wide = Params { outlier_px: Some(50.0), ..RAW };
     let without = triangulate(&rig(), &header(), seen.clone(), None, &wide).unwrap().1;

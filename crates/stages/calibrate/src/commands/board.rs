@@ -1,6 +1,7 @@
 //! Calibration from a board.
 
 use super::footage::{Footage, check_corners, check_outputs};
+use super::number;
 use super::shared::{Lens, Loss, of_file, read_corners, tell};
 use artifact::Staged;
 use calibrate::{Calibration, Corners, Params, calibrate_board};
@@ -58,16 +59,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "huber")]
     loss: Loss,
     /// From which length on a residual counts less than its square [default: from their spread]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, value_parser = number::positive)]
     scale_px: Option<f64>,
     /// The camera whose space is the world [default: the board of the first frame is]
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", conflicts_with = "world_frame")]
     world_camera: Option<String>,
     /// The frame whose board is the world
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     world_frame: Option<i64>,
     /// Corners that a view must show to be used
-    #[arg(long, value_name = "N", default_value_t = Params::default().min_corners)]
+    #[arg(long, value_name = "N", default_value_t = Params::default().min_corners, value_parser = number::corners)]
     min_corners: usize,
 }
 

@@ -1,6 +1,7 @@
 //! Corners of boards in pictures.
 
 use super::footage::{Footage, check_outputs};
+use super::number;
 use super::shots::{self, Choice, Looked, Shot, Shots};
 use anyhow::{Context, bail};
 use artifact::FrameWriter;
@@ -35,8 +36,8 @@ pub(crate) struct Pictures {
     #[arg(long, value_name = "PATTERN", default_value = "{frame:06}.png")]
     name: String,
     /// Pictures or a video of one camera, e.g. m1=shots/left{frame:02}.jpg or m1=left.mp4; may be repeated
-    #[arg(long, value_name = "ID=PATH")]
-    images: Vec<String>,
+    #[arg(long, value_name = "ID=PATH", value_parser = of_camera)]
+    images: Vec<(String, PathBuf)>,
     /// Look only at pictures whose number this divides, e.g. at each tenth frame of a video
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
@@ -50,10 +51,10 @@ pub(crate) struct Pictures {
     #[arg(long, value_name = "CxR", value_parser = grid, requires_all = ["square_mm", "marker_mm"])]
     charuco: Option<[u32; 2]>,
     /// Side of a square
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number::positive)]
     square_mm: Option<f64>,
     /// Side of a ChArUco board's marker
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number::positive)]
     marker_mm: Option<f64>,
     /// Markers of a ChArUco board: 4x4_50 to 6x6_1000
     #[arg(long, value_name = "NAME", value_parser = dictionary, default_value = "4x4_50")]
@@ -61,6 +62,13 @@ pub(crate) struct Pictures {
     /// A ChArUco board that cameras may see from behind, as one of glass
     #[arg(long, conflicts_with_all = ["board", "chessboard"])]
     see_through: bool,
+}
+
+fn of_camera(text: &str) -> Result<(String, PathBuf), String> {
+    let parts = text.split_once('=').filter(|(id, path)| !id.is_empty() && !path.is_empty());
+    let (id, path) =
+        parts.ok_or_else(|| format!("'{text}' is not ID=PATH, e.g. m1=shots/m1/{{frame:06}}.png"))?;
+    Ok((id.to_string(), path.into()))
 }
 
 fn dictionary(text: &str) -> Result<Dictionary, String> {
@@ -154,12 +162,9 @@ impl Pictures {
             Some(folder) => shots::in_folder(folder, &self.name)?,
             None => BTreeMap::new(),
         };
-        for stated in &self.images {
-            let Some((id, path)) = stated.split_once('=') else {
-                bail!("--images {stated}: is not ID=PATH, e.g. m1=shots/m1/{{frame:06}}.png");
-            };
-            if all.insert(id.to_string(), shots::of_camera(id, Path::new(path))?).is_some() {
-                bail!("--images {stated}: camera {id} has pictures already\n  to do: name each camera once");
+        for (id, path) in &self.images {
+            if all.insert(id.clone(), shots::of_camera(id, path)?).is_some() {
+                bail!("--images: camera {id} has pictures already\n  to do: name each camera once");
             }
         }
         footage.leave_out(self.folder().unwrap_or(Path::new("--images")), &mut all)?;
@@ -200,17 +205,26 @@ fn tell(run: &mut Run, looked: &[Looked<Found>], sees_markers: bool) {
     run.result("images", images);
 }
 
+/// Corners or squares along a board's side.
+const SIDES: std::ops::RangeInclusive<u32> = 2..=1000;
+
 /// A board from the command line: from a file, or in words such as `8x6`.
 fn grid(text: &str) -> Result<[u32; 2], String> {
-    let parsed =
+    let parsed: Option<[u32; 2]> =
         text.split_once('x').and_then(|(columns, rows)| Some([columns.parse().ok()?, rows.parse().ok()?]));
-    parsed.ok_or_else(|| format!("'{text}' is not COLUMNSxROWS, e.g. 8x6"))
+    match parsed {
+        None => Err(format!("'{text}' is not COLUMNSxROWS, e.g. 8x6")),
+        Some(sides) if sides.iter().any(|side| !SIDES.contains(side)) => {
+            Err(format!("'{text}': a board has {} to {} each way", SIDES.start(), SIDES.end()))
+        }
+        Some(sides) => Ok(sides),
+    }
 }
 
 /// Refuses a board that cannot be.
 fn checked(board: Board, from: &str) -> anyhow::Result<Board> {
     if let Err(what) = board.check() {
-        bail!("{from}: {what}");
+        bail!("{from}: {what}\n  to do: describe the board as it is printed");
     }
     Ok(board)
 }

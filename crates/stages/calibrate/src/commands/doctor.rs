@@ -2,6 +2,7 @@
 
 use super::doctor_input::{self, Given};
 use super::length;
+use super::number;
 use calibrate::doctor::{Examination, Finding, Params, examine};
 use calibrate::wand::Length;
 use serde_json::json;
@@ -26,25 +27,22 @@ pub(crate) struct Arguments {
     /// Take manifest: gives the sizes of the footage
     #[arg(long, value_name = "FILE")]
     take: Option<PathBuf>,
-    /// A known length in the tracks: between two markers, or two frames where there is one marker only; may be repeated
+    /// Time base: tracks of images taken beside the frame's time are interpolated to it, doubled images left out
+    #[arg(long, value_name = "FILE", requires = "tracks")]
+    sync: Option<PathBuf>,
+    /// A length measured between two cameras, two markers of the tracks, or two frames where they have one point only; may be
+    /// repeated
     #[arg(long, value_name = "A:B=MM", value_parser = length::length, value_delimiter = ',')]
-    length: Vec<Length>,
+    scale: Vec<Length>,
     /// A fault must explain this much of a camera's residuals
-    #[arg(long, value_name = "PX", default_value_t = Params::default().tolerance_px, value_parser = share)]
+    #[arg(long, value_name = "PX", default_value_t = Params::default().tolerance_px, allow_negative_numbers = true, value_parser = number::from_zero)]
     tolerance_px: f64,
     /// Share of each image that the points must cover
-    #[arg(long, value_name = "SHARE", default_value_t = Params::default().coverage, value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value_t = Params::default().coverage, allow_negative_numbers = true, value_parser = number::share)]
     coverage: f64,
     /// Known lengths may be off by this share in the mean
-    #[arg(long, value_name = "SHARE", default_value_t = Params::default().length, value_parser = share)]
-    length_tolerance: f64,
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
-        _ => Err(format!("'{text}' is not a number from 0 on")),
-    }
+    #[arg(long, value_name = "SHARE", default_value_t = Params::default().length, allow_negative_numbers = true, value_parser = number::share)]
+    scale_tolerance: f64,
 }
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
@@ -52,16 +50,17 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let params = Params {
         tolerance_px: arguments.tolerance_px,
         coverage: arguments.coverage,
-        length: arguments.length_tolerance,
+        length: arguments.scale_tolerance,
         ..Params::default()
     };
     run.parameters(&params)?;
     let given = Given {
         cameras: &arguments.cameras,
         tracks: &arguments.tracks,
+        sync: arguments.sync.as_deref(),
         corners: arguments.corners.as_deref(),
         take: arguments.take.as_deref(),
-        lengths: &arguments.length,
+        lengths: &arguments.scale,
     };
     let evidence = doctor_input::read(run, &given)?;
     let examination = run.timed("examine", || examine(&evidence, &params));
@@ -75,19 +74,23 @@ fn tell(run: &mut Run, examination: &Examination) -> anyhow::Result<()> {
             Some(value) => format!("{value:.3} {unit}"),
             None => "–".to_string(),
         };
-        run.say(&format!(
+        run.report(&format!(
             "  {}: residual {}, clock {}, covers {}",
             report.camera,
             number(report.residual_px, "px"),
             number(report.late_frames, "frames late"),
             number(report.coverage, "of the image (hull of the points)"),
-        ));
+        ))?;
     }
     for what in &examination.unjudged {
         run.warn(format!("{what}; nothing was found out about it"));
     }
-    examination.unchecked.iter().for_each(|what| run.say(&format!("  not checked: {what}")));
-    examination.findings.iter().for_each(|finding| run.say(&sentence(finding)));
+    for what in &examination.unchecked {
+        run.report(&format!("  not checked: {what}"))?;
+    }
+    for finding in &examination.findings {
+        run.report(&sentence(finding))?;
+    }
     run.result("examination", json!(examination));
     run.result("findings", examination.findings.len());
     if let Some(ratio) = examination.length_ratio {

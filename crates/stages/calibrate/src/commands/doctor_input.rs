@@ -2,9 +2,14 @@
 
 use super::shared::read_corners;
 use anyhow::bail;
-use artifact::{CameraRig, Error, FrameReader, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
+use artifact::{
+    CameraRig, Error, FrameReader, SyncFrame, SyncHeader, TimeBase, TrackState, Tracks2d, Tracks2dFrame,
+    Tracks2dHeader,
+};
 use calibrate::Corners;
-use calibrate::doctor::{Evidence, KnownLength, Patient, Sighting, numbered_alike};
+use calibrate::doctor::{
+    Evidence, KnownLength, LengthEnds, Patient, Sighting, at_frame_times, numbered_alike,
+};
 use calibrate::wand::{Ends, Length};
 use nalgebra::Vector2;
 use stage::Run;
@@ -15,6 +20,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Given<'a> {
     pub(super) cameras: &'a Path,
     pub(super) tracks: &'a [PathBuf],
+    pub(super) sync: Option<&'a Path>,
     pub(super) corners: Option<&'a Path>,
     pub(super) take: Option<&'a Path>,
     pub(super) lengths: &'a [Length],
@@ -44,11 +50,13 @@ pub(super) fn read(run: &mut Run, given: &Given) -> anyhow::Result<Evidence> {
     };
     let patients = rig.cameras.iter().map(patient).collect();
     let mut evidence = Evidence { patients, sightings: Vec::new(), lengths: Vec::new() };
-    for path in given.tracks {
-        add_tracks(run, path, given.lengths, &mut evidence)?;
+    let in_tracks = add_distances(given.lengths, &mut evidence);
+    if given.tracks.is_empty() && !in_tracks.is_empty() {
+        bail!("--scale says a length in tracks, but no --tracks are given\n  to do: give them");
     }
-    if given.tracks.is_empty() && !given.lengths.is_empty() {
-        bail!("--length says a length in tracks, but no --tracks are given");
+    let clocks = given.sync.map(|path| Clocks::read(run, path)).transpose()?;
+    for path in given.tracks {
+        add_tracks(run, path, clocks.as_ref(), &in_tracks, &mut evidence)?;
     }
     if let Some(corners) = &corners {
         add_corners(corners, &mut evidence);
@@ -62,7 +70,61 @@ fn foreign(path: &Path, id: &str) -> Error {
     error.fix("give the cameras, and the tracks or corners, of one rig")
 }
 
-fn add_tracks(run: &mut Run, path: &Path, lengths: &[Length], evidence: &mut Evidence) -> anyhow::Result<()> {
+/// When images were taken.
+struct Clocks<'a> {
+    path: &'a Path,
+    header: SyncHeader,
+    frames: BTreeMap<i64, SyncFrame>,
+}
+
+impl<'a> Clocks<'a> {
+    fn read(run: &mut Run, path: &'a Path) -> anyhow::Result<Self> {
+        let reader = FrameReader::<TimeBase>::open(path)?;
+        let header = reader.header().clone();
+        let frames = reader.map(|frame| frame.map(|frame| (frame.frame, frame))).collect::<Result<_, _>>()?;
+        run.input("sync", path)?;
+        Ok(Self { path, header, frames })
+    }
+
+    /// Refuses cameras of which it says nothing.
+    fn check(&self, ids: &[String]) -> Result<(), Error> {
+        let missing = ids.iter().find(|id| !self.header.cameras.contains_key(*id));
+        missing.map_or(Ok(()), |id| {
+            let error = Error::new(self.path, "the time base says nothing of it").at(format!("camera {id}"));
+            Err(error.fix("give the time base of the tracks' take, or leave --sync out"))
+        })
+    }
+
+    /// Whether a camera's image of a frame only repeats the one before it.
+    fn is_doubled(&self, id: &str, frame: i64) -> bool {
+        let shown = self.frames.get(&frame).and_then(|frame| frame.shows.get(id).copied().flatten());
+        shown.is_some_and(|shown| shown.doubled)
+    }
+}
+
+/// Takes the distances of cameras out of the known lengths; what is left lies in the tracks.
+fn add_distances(lengths: &[Length], evidence: &mut Evidence) -> Vec<Length> {
+    let place = |id: &String| evidence.patients.iter().position(|patient| patient.id == *id);
+    let distance = |length: &Length| match &length.ends {
+        Ends::Cameras(a, b) => {
+            let ends = LengthEnds::Cameras([place(a)?, place(b)?]);
+            Some(KnownLength { ends, mm: length.mm })
+        }
+        Ends::Frames(..) => None,
+    };
+    let distances: Vec<KnownLength> = lengths.iter().filter_map(distance).collect();
+    let in_tracks = lengths.iter().filter(|length| distance(length).is_none()).cloned().collect();
+    evidence.lengths.extend(distances);
+    in_tracks
+}
+
+fn add_tracks(
+    run: &mut Run,
+    path: &Path,
+    clocks: Option<&Clocks>,
+    lengths: &[Length],
+    evidence: &mut Evidence,
+) -> anyhow::Result<()> {
     run.input("tracks", path)?;
     let reader = FrameReader::<Tracks2d>::open(path)?;
     let header = reader.header().clone();
@@ -71,22 +133,38 @@ fn add_tracks(run: &mut Run, path: &Path, lengths: &[Length], evidence: &mut Evi
         place.ok_or_else(|| foreign(path, id))
     };
     let cameras: Vec<usize> = header.cameras.iter().map(place).collect::<Result<_, _>>()?;
-    let mut index: BTreeMap<(String, i64), usize> = BTreeMap::new();
+    if let Some(clocks) = clocks {
+        clocks.check(&header.cameras)?;
+    }
+    let mut sightings: Vec<Sighting> = Vec::new();
     for frame in reader {
-        let frame = frame?;
+        let mut frame = frame?;
+        for (id, samples) in header.cameras.iter().zip(&mut frame.cameras) {
+            if clocks.is_some_and(|clocks| clocks.is_doubled(id, frame.frame)) {
+                *samples = None;
+            }
+        }
         for (marker, name) in header.markers.iter().enumerate() {
             let views = views(&frame, &cameras, marker);
             if !views.is_empty() {
-                index.insert((name.clone(), frame.frame), evidence.sightings.len());
-                evidence.sightings.push(Sighting { frame: frame.frame, name: name.clone(), views });
+                sightings.push(Sighting { frame: frame.frame, name: name.clone(), views });
             }
         }
     }
+    if let Some(clocks) = clocks {
+        let clock = |camera: usize| &clocks.header.cameras[&evidence.patients[camera].id];
+        sightings = at_frame_times(&sightings, |camera, frame| clock(camera).lag_frames(frame));
+    }
+    let first = evidence.sightings.len();
+    let names = sightings.iter().map(|sighting| (sighting.name.clone(), sighting.frame));
+    let index: BTreeMap<(String, i64), usize> = names.zip(first..).collect();
+    evidence.sightings.extend(sightings);
     for length in lengths {
         let known = known(length, &header, &index);
         if known.is_empty() {
-            let what = "a length is stated between markers or frames that it does not have";
-            return Err(Error::new(path, what).at(format!("--length {}={}", length.ends, length.mm)).into());
+            let what = "a length is stated between what it does not have";
+            let error = Error::new(path, what).at(format!("--scale {}={}", length.ends, length.mm));
+            return Err(error.fix("name two markers, two frames of a single point, or two cameras").into());
         }
         evidence.lengths.extend(known);
     }
@@ -112,7 +190,7 @@ fn known(
         (Ends::Frames(a, b), [only]) => {
             let ends = [a, b].map(|frame| index.get(&(only.clone(), *frame)).copied());
             let [Some(a), Some(b)] = ends else { return Vec::new() };
-            vec![KnownLength { ends: [a, b], mm }]
+            vec![KnownLength { ends: LengthEnds::Sightings([a, b]), mm }]
         }
         (ends, _) => {
             let [a, b] = match ends {
@@ -121,7 +199,8 @@ fn known(
             };
             let first = index.iter().filter(|((name, _), _)| *name == a);
             let pair = |((_, frame), &at): (&(String, i64), &usize)| {
-                Some(KnownLength { ends: [at, *index.get(&(b.clone(), *frame))?], mm })
+                let ends = LengthEnds::Sightings([at, *index.get(&(b.clone(), *frame))?]);
+                Some(KnownLength { ends, mm })
             };
             first.filter_map(pair).collect()
         }
@@ -158,7 +237,8 @@ fn add_corners(corners: &Corners, evidence: &mut Evidence) {
         for (&corner, &from) in &at {
             let right = (corner % columns + 1 < columns).then_some(corner + 1);
             for next in [right, Some(corner + columns)].into_iter().flatten() {
-                evidence.lengths.extend(at.get(&next).map(|&to| KnownLength { ends: [from, to], mm }));
+                let length = |&to: &usize| KnownLength { ends: LengthEnds::Sightings([from, to]), mm };
+                evidence.lengths.extend(at.get(&next).map(length));
             }
         }
     }

@@ -28,7 +28,10 @@ impl Footage {
     pub(super) fn leave_out<T>(&self, from: &Path, cameras: &mut BTreeMap<String, T>) -> anyhow::Result<()> {
         for id in &self.without {
             if cameras.remove(id).is_none() {
-                bail!("--without {id}: {} has no such camera", from.display());
+                bail!(
+                    "--without {id}: {} has no such camera\n  to do: name one of its cameras",
+                    from.display()
+                );
             }
         }
         Ok(())
@@ -119,19 +122,10 @@ pub(super) fn check_corners(run: &mut Run, path: &Path, corners: &Corners) -> an
 pub(super) fn check_outputs(run: &Run, paths: &[Option<&Path>]) -> anyhow::Result<()> {
     let paths: Vec<&Path> = paths.iter().flatten().copied().collect();
     run.check_outputs(&paths)?;
-    for path in paths {
+    for path in &paths {
         if path.is_dir() {
             bail!("{}: is a folder\n  to do: name a file", path.display());
         }
-        if let Some(file) =
-            path.ancestors().skip(1).find(|above| above.exists()).filter(|above| above.is_file())
-        {
-            bail!(
-                "{}: {} is a file, not a folder\n  to do: name another place",
-                path.display(),
-                file.display()
-            );
-        }
     }
-    Ok(())
+    run.check_folders(&paths)
 }

@@ -8,6 +8,7 @@ mod doctor;
 mod doctor_input;
 mod footage;
 mod length;
+mod number;
 mod refine;
 mod shared;
 mod shots;

@@ -1,6 +1,7 @@
 //! Refinement of cameras that are known.
 
 use super::footage::{self, check_corners, check_outputs, check_points};
+use super::number;
 use super::shared::{Lens, Loss, of_file, read_corners, tell};
 use artifact::{CameraRig, FrameRange, FrameReader, Staged, Tracks2d, Tracks2dFrame};
 use calibrate::bundle::{Focal, Free};
@@ -43,10 +44,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "huber")]
     loss: Loss,
     /// From which length on a residual counts less than its square [default: from their spread]
-    #[arg(long, value_name = "PX")]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, value_parser = number::positive)]
     scale_px: Option<f64>,
     /// Corners that a view must show to be used
-    #[arg(long, value_name = "N", default_value_t = RefineParams::default().min_corners)]
+    #[arg(long, value_name = "N", default_value_t = RefineParams::default().min_corners, value_parser = number::corners)]
     min_corners: usize,
     /// Where to write the cameras
     #[arg(long, value_name = "FILE")]

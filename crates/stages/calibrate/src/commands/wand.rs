@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     input: PathBuf,
     /// Names of the images in a camera's folder [default: {frame:06}.png]
     #[arg(long, value_name = "PATTERN")]
-    images: Option<String>,
+    name: Option<String>,
     /// Take manifest: gives the images' sizes and transfer functions (else sRGB), and is referred to by what is written
     #[arg(long, value_name = "FILE")]
     take: Option<PathBuf>,
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     hold_intrinsics: bool,
     /// Where the size comes from: A:B=MM, a length measured between the point's places in two frames or between two cameras
     /// (several may be given); MM, the cameras' mean distance from the wand; or unknown
-    #[arg(long, value_name = "A:B=MM|MM|unknown", value_parser = length::word, required = true, num_args = 1.., value_delimiter = ',')]
+    #[arg(long, value_name = "A:B=MM|MM|unknown", value_parser = length::word, required = true, allow_negative_numbers = true, num_args = 1.., value_delimiter = ',')]
     scale: Vec<Word>,
     /// Camera ids to leave out
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
@@ -59,7 +59,7 @@ pub(crate) struct Arguments {
     out: PathBuf,
     /// Where the point was seen, to write as tracks-2d; the doctor asks for it
     #[arg(long, value_name = "FILE")]
-    tracks: Option<PathBuf>,
+    out_tracks: Option<PathBuf>,
 }
 
 impl Arguments {
@@ -71,7 +71,9 @@ impl Arguments {
         }
         let length = |word: &Word| match word {
             Word::Length(length) => Ok(length.clone()),
-            _ => anyhow::bail!("--scale: lengths A:B=MM can be given together, nothing else"),
+            _ => anyhow::bail!(
+                "--scale: lengths A:B=MM can be given together, nothing else\n  to do: give lengths, or one word"
+            ),
         };
         Ok(Scale::Lengths(self.scale.iter().map(length).collect::<anyhow::Result<_>>()?))
     }
@@ -99,9 +101,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         }
         None => None,
     };
-    check_outputs(run, &[Some(&arguments.out), arguments.tracks.as_deref()])?;
+    check_outputs(run, &[Some(&arguments.out), arguments.out_tracks.as_deref()])?;
     let given = Given {
-        images: arguments.images.as_deref(),
+        name: arguments.name.as_deref(),
         take: take.as_ref().map(|(take, _)| take),
         lenses: lenses.as_ref(),
         without: &arguments.without,
@@ -113,7 +115,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     }
     let reference = take.map(|(_, reference)| reference);
     // Before the adjustment: where that fails, they tell why.
-    if let Some(path) = &arguments.tracks {
+    if let Some(path) = &arguments.out_tracks {
         run.publish(vec![write_tracks(path, &sightings, reference.clone())?])?;
     }
     let wand = run

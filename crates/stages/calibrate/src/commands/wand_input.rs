@@ -13,7 +13,7 @@ use std::path::Path;
 /// What is known beside the points.
 pub(super) struct Given<'a> {
     /// How images are named; of a folder only.
-    pub(super) images: Option<&'a str>,
+    pub(super) name: Option<&'a str>,
     pub(super) take: Option<&'a Take>,
     pub(super) lenses: Option<&'a CameraRig>,
     pub(super) without: &'a [String],
@@ -27,19 +27,19 @@ pub(super) fn read(run: &mut Run, input: &Path, given: &Given) -> anyhow::Result
     let ending = input.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let (mut seen, sizes) = match ending.as_deref() {
         _ if input.is_dir() => from_images(run, input, given)?,
-        _ if given.images.is_some() => {
-            bail!("--images: {} is no folder of images\n  to do: leave --images out", input.display())
+        _ if given.name.is_some() => {
+            bail!("--name: {} is no folder of images\n  to do: leave --name out", input.display())
         }
         Some("jsonl") => (from_tracks(run, input)?, BTreeMap::new()),
         Some("csv") => (from_table(run, input)?, BTreeMap::new()),
         _ => {
             let what = "is neither a folder of images nor points as .jsonl or .csv";
-            return Err(Error::new(input, what).into());
+            return Err(Error::new(input, what).fix("name such a folder or file").into());
         }
     };
     for id in given.without {
         if seen.remove(id).is_none() {
-            bail!("--without {id}: {} has no such camera", input.display());
+            bail!("--without {id}: {} has no such camera\n  to do: name one of its cameras", input.display());
         }
     }
     let frames: BTreeSet<i64> = seen.values().flat_map(|seen| seen.keys().copied()).collect();
@@ -86,11 +86,13 @@ fn size(
 }
 
 fn lens(id: &str, image_size: [u32; 2], rig: &CameraRig) -> anyhow::Result<camera::Lens> {
-    let Some(known) = rig.cameras.get(id) else { bail!("--intrinsics: there is no camera {id}") };
+    let Some(known) = rig.cameras.get(id) else {
+        bail!("--intrinsics: there is no camera {id}\n  to do: add it there, or leave it out with --without")
+    };
     let [width, height] = known.camera.image_size;
     if known.camera.image_size != image_size {
         bail!(
-            "--intrinsics: camera {id} has {width} × {height} px there, but {} × {} px here",
+            "--intrinsics: camera {id} has {width} × {height} px there, but {} × {} px here\n  to do: give lenses of this image size",
             image_size[0],
             image_size[1]
         );
@@ -105,7 +107,7 @@ fn from_images(
     given: &Given,
 ) -> anyhow::Result<(Seen, BTreeMap<String, [u32; 2]>)> {
     let all: Vec<Shots> =
-        shots::in_folder(folder, given.images.unwrap_or("{frame:06}.png"))?.into_values().collect();
+        shots::in_folder(folder, given.name.unwrap_or("{frame:06}.png"))?.into_values().collect();
     let mut light = BTreeMap::new();
     for shots in &all {
         light.insert(shots.camera.as_str(), transfer(&shots.camera, given)?.light_of_codes());
@@ -152,7 +154,7 @@ fn from_tracks(run: &mut Run, path: &Path) -> anyhow::Result<Seen> {
     let header = reader.header().clone();
     if header.markers.len() != 1 {
         let what = format!("holds {} markers; a wand has one", header.markers.len());
-        return Err(Error::new(path, what).into());
+        return Err(Error::new(path, what).fix("give the tracks of the one point that was waved").into());
     }
     let mut seen: Seen = header.cameras.iter().map(|id| (id.clone(), BTreeMap::new())).collect();
     for frame in reader {
@@ -176,11 +178,15 @@ fn from_table(run: &mut Run, path: &Path) -> anyhow::Result<Seen> {
     let header: Option<String> =
         lines.next().map(|(_, line)| line.chars().filter(|c| !c.is_whitespace()).collect());
     if header.as_deref() != Some(COLUMNS) {
-        return Err(Error::new(path, format!("its first line is not {COLUMNS}")).at("line 1").into());
+        let error = Error::new(path, format!("its first line is not {COLUMNS}")).at("line 1");
+        return Err(error.fix("name the columns there, in this order").into());
     }
     let mut seen = Seen::new();
     for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let refuse = |what: &str| Error::new(path, what).at(format!("line {}", number + 1));
+        let refuse = |what: &str| {
+            let error = Error::new(path, what).at(format!("line {}", number + 1));
+            error.fix(format!("correct the line; its columns are {COLUMNS}"))
+        };
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         let [frame, camera, x, y] = cells[..] else { return Err(refuse("has not four cells").into()) };
         let coordinate = |text: &str| match text.parse::<f64>() {

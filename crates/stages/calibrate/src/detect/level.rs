@@ -2,7 +2,7 @@
 
 use super::{DetectError, Image};
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
-use opencv::core::{BORDER_REPLICATE, Mat, Point2f, Scalar, Size};
+use opencv::core::{BORDER_REPLICATE, Mat, Scalar, Size};
 use opencv::imgproc::{INTER_CUBIC, WARP_INVERSE_MAP, warp_affine};
 
 /// The way from a picture in which points spread alike to all sides to the image, about the middle of the points.
@@ -58,10 +58,8 @@ impl Level {
     }
 
     /// Where a point of the levelled picture is in the image.
-    pub(super) fn in_image(&self, at: Point2f) -> Point2f {
-        let at = Vector2::new(f64::from(at.x), f64::from(at.y));
-        let place = self.image_from_level * (at - self.center()) + self.middle;
-        Point2f::new(place.x as f32, place.y as f32)
+    pub(super) fn in_image(&self, at: Vector2<f64>) -> Vector2<f64> {
+        self.image_from_level * (at - self.center()) + self.middle
     }
 
     fn center(&self) -> Vector2<f64> {

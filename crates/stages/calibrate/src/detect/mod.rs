@@ -3,8 +3,8 @@
 mod charuco;
 mod chessboard;
 mod level;
-mod refine;
 mod saddles;
+mod symmetry;
 
 use crate::Board;
 use nalgebra::Point2;
@@ -35,7 +35,7 @@ type Found = BTreeMap<u32, Point2<f64>>;
 /// Chessboards by their squares, which is done at a glance where the board faces the camera; where it does not, its corners
 /// are looked for one by one, as saddles of the grey values, and the board is laid level by their spread before it is looked
 /// for again. A picture without enough saddles shows no board and costs no more than that. At last, as for ChArUco boards,
-/// each corner goes to where the gradients around it meet (`cornerSubPix`).
+/// each corner goes to the point about which the picture around it is symmetric.
 ///
 /// # Errors
 /// If the picture is empty, or OpenCV refuses.

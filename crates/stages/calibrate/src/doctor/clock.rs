@@ -10,6 +10,8 @@ use nalgebra::Vector2;
 /// How far images are out of step.
 pub(super) struct Lateness {
     pub(super) frames: f64,
+    /// Whether what moves tells the clock at all: a frame more or less would be clearly worse.
+    pub(super) is_told: bool,
     /// RMS of all sightings with the clock set right, px.
     rms_px: f64,
     is_sure: bool,
@@ -18,7 +20,7 @@ pub(super) struct Lateness {
 impl Lateness {
     /// The same as an explanation.
     pub(super) fn explanation(self) -> Explanation {
-        let Self { frames, rms_px, is_sure } = self;
+        let Self { frames, rms_px, is_sure, .. } = self;
         let word = if frames > 0.0 { "late" } else { "early" };
         let what = format!("its images come {:.2} frames {word}", frames.abs());
         Explanation { rms_px, is_sure, kind: Kind::Late, number: frames, unit: "frames", what }
@@ -75,11 +77,14 @@ pub(super) fn lateness(camera: &Camera, data: &[Datum], trajectories: &Trajector
         }
         step /= 2.0;
     }
-    let gain = fast.len() as f64 * ((error(0.0) / least).powi(2) - 1.0);
+    let rise = |worse: f64| fast.len() as f64 * ((worse / least).powi(2) - 1.0);
+    let gain = rise(error(0.0));
+    let beside = [frames - 1.0, frames + 1.0].map(error);
+    let is_told = beside.into_iter().all(|error| error.is_finite() && rise(error) > CLEAR);
     let all: Vec<&Datum> = data.iter().collect();
     let rms_px = shifted_rms(camera, &all, trajectories, frames, false);
     let is_sure = frames.abs() > LEAST_LATE && frames.abs() * typical > LEAST_SHIFT_PX && gain > CLEAR;
-    least.is_finite().then_some(Lateness { frames, rms_px, is_sure })
+    least.is_finite().then_some(Lateness { frames, is_told, rms_px, is_sure })
 }
 
 /// RMS of the residuals with the points where they were `late` frames before; infinite where too few are known.

@@ -39,7 +39,7 @@ pub(super) fn examine(evidence: &Evidence, params: &Params, examination: &mut Ex
     }
     let points = court.rays.points(&court.trusted, None);
     court.behind(&points, examination);
-    lengths::examine(&evidence.lengths, &points, params, examination);
+    lengths::examine(evidence, &points, params, examination);
 }
 
 struct Court<'a> {

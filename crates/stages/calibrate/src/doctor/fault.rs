@@ -49,7 +49,7 @@ pub(super) fn judge(
     let camera = &patient.camera;
     let rms_px = rms(camera, data);
     let lateness = lateness(camera, data, trajectories);
-    let late = lateness.as_ref().map(|late| late.frames);
+    let late = lateness.as_ref().filter(|late| late.is_told).map(|late| late.frames);
     let mut verdict = Verdict { rms_px, left_px: rms_px, late, finding: None };
     let mut explanations: Vec<Explanation> = Vec::new();
     explanations.extend(lateness.map(Lateness::explanation));

@@ -1,31 +1,45 @@
 //! Lengths that are known: what all cameras may have wrong together.
 
-use super::{Examination, Finding, Kind, Params};
+use super::{Evidence, Examination, Finding, Kind, Params};
 use nalgebra::Point3;
 
 /// A length that is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownLength {
-    /// Indices of the sightings at its ends.
-    pub ends: [usize; 2],
+    /// What is at its ends.
+    pub ends: LengthEnds,
     /// mm
     pub mm: f64,
+}
+
+/// What a known length lies between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LengthEnds {
+    /// Two sightings, by their indices.
+    Sightings([usize; 2]),
+    /// The centres of projection of two cameras, by their indices.
+    Cameras([usize; 2]),
 }
 
 /// Standard errors that a mean must be off.
 const SURE: f64 = 5.0;
 
 pub(super) fn examine(
-    lengths: &[KnownLength],
+    evidence: &Evidence,
     points: &[Option<Point3<f64>>],
     params: &Params,
     examination: &mut Examination,
 ) {
     let ratio = |length: &KnownLength| {
-        let [a, b] = length.ends.map(|end| points.get(end).copied().flatten());
+        let [a, b] = match length.ends {
+            LengthEnds::Sightings(ends) => ends.map(|end| points.get(end).copied().flatten()),
+            LengthEnds::Cameras(ends) => {
+                ends.map(|end| evidence.patients.get(end).map(|patient| patient.camera.eye_in_world()))
+            }
+        };
         Some((a? - b?).norm() / length.mm)
     };
-    let mut ratios: Vec<f64> = lengths.iter().filter_map(ratio).collect();
+    let mut ratios: Vec<f64> = evidence.lengths.iter().filter_map(ratio).collect();
     if ratios.is_empty() {
         examination
             .unchecked

@@ -17,11 +17,13 @@ mod lens;
 mod model;
 mod numbering;
 mod rays;
+mod timing;
 mod trajectory;
 
 pub use finding::{CameraReport, Examination, Finding, Kind};
-pub use lengths::KnownLength;
+pub use lengths::{KnownLength, LengthEnds};
 pub use numbering::{SeenCorners, numbered_alike};
+pub use timing::at_frame_times;
 
 use camera::Camera;
 use nalgebra::Vector2;
@@ -56,7 +58,7 @@ pub struct Evidence {
     pub patients: Vec<Patient>,
     /// What they saw.
     pub sightings: Vec<Sighting>,
-    /// Lengths between sightings.
+    /// Lengths between sightings or cameras.
     pub lengths: Vec<KnownLength>,
 }
 

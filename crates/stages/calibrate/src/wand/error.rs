@@ -83,12 +83,19 @@ impl Error {
                  glows, and that it was waved through the depth of the space, not in a plane"
             }
             Self::Mirrored(_) => "switch off mirroring in the camera or its recorder, or flip the images",
+            Self::TooFewCameras(_) => "film with more cameras, or give approximate lenses with --intrinsics",
+            Self::LensMissing(_) => {
+                "add the lens to the file of --intrinsics, or leave the camera out with --without"
+            }
+            Self::Length { .. } => {
+                "state lengths between frames in which two cameras see the point, or between two cameras"
+            }
             Self::NoMetric => {
                 "wave the point through more of the images and the depth, or give approximate lenses"
             }
             Self::Contradiction { .. } => "measure the lengths again, and give those that are sure",
             Self::Bundle(_) | Self::Rejected { .. } => {
-                "check that images of equal number were taken at the same time in all cameras: write --tracks and ask the doctor \
+                "check that images of equal number were taken at the same time in all cameras: write --out-tracks and ask the doctor \
                  with an older calibration, or leave out cameras with --without until the others fit"
             }
             _ => return None,

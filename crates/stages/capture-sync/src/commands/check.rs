@@ -13,7 +13,7 @@ pub(crate) struct Check {
     /// Time base (sync/1; - for standard input)
     sync: PathBuf,
     /// Speed of the markers, mm/s
-    #[arg(long, value_name = "MM/S", conflicts_with = "markers", value_parser = speed)]
+    #[arg(long, value_name = "MM/S", conflicts_with = "markers", allow_negative_numbers = true, value_parser = positive)]
     speed: Option<f64>,
     /// Markers whose speed is measured (trajectories-3d, .c3d, .trc): 95 % of their steps are slower
     #[arg(long, value_name = "FILE")]
@@ -22,11 +22,11 @@ pub(crate) struct Check {
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// End with exit code 1 if a camera's skew is more than this, ms
-    #[arg(long, value_name = "MS", value_parser = speed)]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = positive)]
     max_ms: Option<f64>,
 }
 
-fn speed(text: &str) -> Result<f64, String> {
+fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err(format!("'{text}' is not a number above 0")),
@@ -48,10 +48,12 @@ impl Check {
             None => self.speed,
             Some(path) => Some(measured_speed(run, path, &header)?),
         };
-        run.result("speed_mm_s", speed);
+        if let Some(speed) = speed {
+            run.result("speed_mm_s", speed);
+        }
         let skews = skews(&header, &frames, speed);
-        run.say("camera    mean/ms  worst/ms  mean/mm  worst/mm   shown  missing  doubled  source");
-        skews.iter().for_each(|(id, skew)| run.say(&row(id, skew)));
+        run.report("camera    mean/ms  worst/ms  mean/mm  worst/mm   shown  missing  doubled  source")?;
+        skews.iter().try_for_each(|(id, skew)| run.report(&row(id, skew)))?;
         warn_of_stated(run, &skews);
         let worst = skews.values().map(|skew| skew.worst_ms.abs()).fold(0.0, f64::max);
         run.result("worst_ms", worst);

@@ -156,7 +156,7 @@ mod video {
         _progress: &mut Progress,
     ) -> anyhow::Result<()> {
         bail!(
-            "{}: camera {}'s footage is a video, which this build cannot read",
+            "{}: camera {}'s footage is a video, which this build cannot read\n  to do: build with the feature `video`",
             path.display(),
             files.camera.id
         )

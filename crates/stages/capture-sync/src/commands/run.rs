@@ -5,11 +5,15 @@ use super::footage_files::{FootageFiles, Looking, Read};
 use super::output_folder::{self, OutputFolder};
 use anyhow::{anyhow, bail};
 use artifact::{Clock, FrameRange, FrameWriter, Frames, SyncFrame, Take, TakeRef, TimeBase, Timecode};
-use capture_sync::{CameraReport, Error, Loss, Mode, Params, Synchronized, TakeClock, synchronize};
+use capture_sync::{
+    CameraReport, DRIFT_PRIOR_PPM, Error, LATE_FRAMES, Loss, Mode, Params, SEARCH_S, Synchronized, TakeClock,
+    synchronize,
+};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
@@ -31,10 +35,10 @@ pub(crate) struct Run {
     #[arg(long)]
     ignore_timestamps: bool,
     /// How far the cameras' starts may lie apart, s (correlation)
-    #[arg(long, value_name = "S", default_value_t = Params::default().search_s, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = Params::default().search_s, allow_negative_numbers = true, value_parser = seconds)]
     search_s: f64,
     /// How far off a clock is expected to run, ppm: holds back the drift of short takes
-    #[arg(long, value_name = "PPM", default_value_t = Params::default().drift_prior_ppm, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PPM", default_value_t = Params::default().drift_prior_ppm, allow_negative_numbers = true, value_parser = ppm)]
     drift_prior_ppm: f64,
     /// How many mocap frames later than found otherwise a camera takes its images; for what tracks tell; may be said again
     #[arg(long, value_name = "ID=FRAMES", value_parser = late)]
@@ -44,7 +48,7 @@ pub(crate) struct Run {
     frames: Option<FrameRange>,
     /// Cameras to use [default: all that have footage]
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
-    cameras: Vec<String>,
+    camera: Vec<String>,
     /// Go on with a video that ends early: the frames that are not there are gaps
     #[arg(long)]
     accept_short: bool,
@@ -53,11 +57,28 @@ pub(crate) struct Run {
     no_extract: bool,
 }
 
+fn seconds(text: &str) -> Result<f64, String> {
+    within(text, SEARCH_S, "s")
+}
+
+fn ppm(text: &str) -> Result<f64, String> {
+    within(text, DRIFT_PRIOR_PPM, "ppm")
+}
+
+fn within(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| format!("say a number from {} to {} {unit}", range.start(), range.end()))
+}
+
 fn late(text: &str) -> Result<(String, f64), String> {
     let parts = text.split_once('=').and_then(|(id, frames)| Some((id, frames.parse::<f64>().ok()?)));
-    match parts.filter(|(id, frames)| !id.is_empty() && frames.is_finite()) {
+    match parts.filter(|(id, frames)| !id.is_empty() && LATE_FRAMES.contains(frames)) {
         Some((id, frames)) => Ok((id.to_string(), frames)),
-        None => Err(format!("'{text}' is not a camera and a number of mocap frames, as in m4=2.3")),
+        None => Err(format!(
+            "'{text}' is not a camera and a number of mocap frames from {} to {}, as in m4=2.3",
+            LATE_FRAMES.start(),
+            LATE_FRAMES.end()
+        )),
     }
 }
 
@@ -138,18 +159,17 @@ impl Run {
     }
 
     fn open(&self, run: &mut stage::Run, take: &Take) -> anyhow::Result<Vec<FootageFiles>> {
-        if let Some(id) = self.cameras.iter().find(|id| !take.cameras.iter().any(|camera| camera.id == **id))
-        {
+        if let Some(id) = self.camera.iter().find(|id| !take.cameras.iter().any(|camera| camera.id == **id)) {
             let known: Vec<&str> = take.cameras.iter().map(|camera| &camera.id[..]).collect();
             bail!(
-                "{}: has no camera {id}\n  to do: choose --cameras of {}",
+                "{}: has no camera {id}\n  to do: choose --camera of {}",
                 self.take.display(),
                 known.join(", ")
             );
         }
-        let chosen = take.cameras.iter().filter(|camera| match self.cameras.is_empty() {
+        let chosen = take.cameras.iter().filter(|camera| match self.camera.is_empty() {
             true => camera.footage.is_some(),
-            false => self.cameras.contains(&camera.id),
+            false => self.camera.contains(&camera.id),
         });
         let files: Vec<FootageFiles> =
             chosen.map(|camera| FootageFiles::open(run, &self.take, camera)).collect::<Result<_, _>>()?;

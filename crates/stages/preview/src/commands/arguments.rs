@@ -122,7 +122,9 @@ impl Arguments {
     pub(crate) fn close_up(&self) -> anyhow::Result<CloseUp> {
         if let Some([x0, y0, z0, x1, y1, z1]) = self.crop {
             if x0 > x1 || y0 > y1 || z0 > z1 {
-                bail!("--crop: the second corner must not lie below the first one in any coordinate");
+                bail!(
+                    "--crop: the second corner must not lie below the first one in any coordinate\n  to do: exchange the coordinates"
+                );
             }
             return Ok(CloseUp::Box([x0, y0, z0], [x1, y1, z1]));
         }

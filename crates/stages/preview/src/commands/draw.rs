@@ -114,7 +114,7 @@ fn handles(run: &mut Run, arguments: &Arguments, rest: &Rest) -> anyhow::Result<
     {
         let (marker, vertex) = (&handle.marker, handle.vertex);
         bail!(
-            "{}, marker {marker}: sits on vertex {vertex}, which {} lacks",
+            "{}, marker {marker}: sits on vertex {vertex}, which {} lacks\n  to do: give the mesh that the handles were made for",
             path.display(),
             rest.path.display()
         );

@@ -163,7 +163,9 @@ impl Source<'_> {
             let reference = match (&self.reference, &mut moving, shot) {
                 (Some(Reference::Still(points)), ..) => Some(points.clone()),
                 (_, Some(cursor), Shot::Frame(frame)) => Some(cursor.read(*frame)?),
-                (Some(_), ..) => bail!("a sequence as --reference needs a --sequence with the same frames"),
+                (Some(_), ..) => bail!(
+                    "a sequence as --reference needs a --sequence with the same frames\n  to do: give it, or a mesh as --reference"
+                ),
                 _ => None,
             };
             visit(shot, positions, reference.as_deref())?;

@@ -21,6 +21,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     if arguments.out == arguments.pose {
         bail!("--out and --pose are both {}\n  to do: name two files", arguments.out.display());
     }
+    run.check_folders(&[&arguments.out, &arguments.pose])?;
     let params = arguments.params();
     params.check()?;
     let frames = arguments.frames.unwrap_or(FrameRange::ALL);
@@ -30,6 +31,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         frames: frames.to_string(),
     })?;
     let take = input::read(run, &arguments.markers, arguments.marker_unit, arguments.take.as_deref())?;
+    run.check_outputs(&[&arguments.out, &arguments.pose])?;
     let stable = run.timed("stabilize", || stabilize(&take, &params));
     let stable = stable.map_err(|error| error.in_file(&arguments.markers))?;
     stable.report.warnings().into_iter().for_each(|warning| run.warn(warning));

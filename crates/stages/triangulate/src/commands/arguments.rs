@@ -104,6 +104,9 @@ impl Arguments {
                 self.out.display()
             );
         }
+        let paths: Vec<&std::path::Path> =
+            std::iter::once(self.out.as_path()).chain(named().map(|(path, ..)| path)).collect();
+        run.check_folders(&paths)?;
         if artifact::is_standard_stream(&self.out) {
             if self.c3d.is_some() || self.trc.is_some() {
                 bail!(
@@ -112,9 +115,7 @@ impl Arguments {
             }
             return Ok(());
         }
-        run.check_outputs(
-            &std::iter::once(self.out.as_path()).chain(named().map(|(path, ..)| path)).collect::<Vec<_>>(),
-        )
+        run.check_outputs(&paths)
     }
 
     pub(crate) fn params(&self) -> Params {
