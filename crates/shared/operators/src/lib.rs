@@ -22,9 +22,16 @@
 
 mod assembly;
 mod bisection;
+mod dense;
 mod dirichlet;
+mod elimination;
+mod elimination_tree;
 mod factor;
 mod ordering;
+mod responses;
+mod substitution;
+mod symbolic;
+mod walk;
 
 pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass};
 pub use dirichlet::{Dirichlet, Responses};
