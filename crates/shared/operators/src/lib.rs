@@ -27,6 +27,7 @@ mod dirichlet;
 mod elimination;
 mod elimination_tree;
 mod factor;
+mod matching;
 mod ordering;
 mod responses;
 mod substitution;

@@ -7,7 +7,7 @@
 use crate::dense::{Block, Trapezoid};
 use crate::symbolic::Symbolic;
 use crate::walk::{Ascent, Descent, Passed, Tree};
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 /// The values of one row in `N` right-hand sides.
 pub(crate) type Lanes<const N: usize> = [f64; N];
@@ -79,7 +79,7 @@ impl<const N: usize> Ascent for ForwardLanes<'_, N> {
             }
         }
         let values = &self.0.values[symbolic.value_starts[front]..];
-        Arch::new().dispatch(|| forward(shape, values, rows));
+        Arch::new().dispatch(Job::<N, true> { shape, values, rows });
         part.copy_from_slice(&rows[..shape.columns]);
         up.copy_from_slice(&rows[shape.columns..]);
         Ok(())
@@ -110,8 +110,27 @@ impl<const N: usize> Descent for BackwardLanes<'_, N> {
             *row = above[place as usize];
         }
         let values = &self.0.values[symbolic.value_starts[front]..];
-        Arch::new().dispatch(|| backward(symbolic.shape(front), values, own));
+        Arch::new().dispatch(Job::<N, false> { shape: symbolic.shape(front), values, rows: own });
         part.copy_from_slice(&own[..part.len()]);
+    }
+}
+
+/// The substitution within a front, compiled for every instruction set.
+struct Job<'a, const N: usize, const FORWARD: bool> {
+    shape: Trapezoid,
+    values: &'a [f64],
+    rows: &'a mut [Lanes<N>],
+}
+
+impl<const N: usize, const FORWARD: bool> NullaryFnOnce for Job<'_, N, FORWARD> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        match FORWARD {
+            true => forward(self.shape, self.values, self.rows),
+            false => backward(self.shape, self.values, self.rows),
+        }
     }
 }
 
@@ -137,11 +156,21 @@ fn forward<const N: usize>(shape: Trapezoid, values: &[f64], rows: &mut [Lanes<N
         let rows = &mut rows[block.column..];
         let grouped = block.columns / GROUP * GROUP;
         for column in (0..grouped).step_by(GROUP) {
+            touch(values, (column + GROUP) * block.rows, GROUP * block.rows);
             forward_group::<GROUP, N>(block, values, column, rows);
         }
         for column in grouped..block.columns {
             forward_group::<1, N>(block, values, column, rows);
         }
+    }
+}
+
+#[inline(always)]
+fn touch(values: &[f64], start: usize, len: usize) {
+    if start < values.len() {
+        let end = (start + len).min(values.len());
+        let bits = values[start..end].iter().step_by(8).fold(0, |bits, value| bits | value.to_bits());
+        std::hint::black_box(bits);
     }
 }
 
@@ -184,6 +213,7 @@ fn backward<const N: usize>(shape: Trapezoid, values: &[f64], rows: &mut [Lanes<
             backward_group::<1, N>(block, values, column, rows);
         }
         for column in (0..grouped).step_by(GROUP).rev() {
+            touch(values, column.saturating_sub(GROUP) * block.rows, GROUP * block.rows);
             backward_group::<GROUP, N>(block, values, column, rows);
         }
     }
