@@ -88,6 +88,8 @@ impl Elimination<'_> {
         for (place, &row) in self.symbolic.rows(front).iter().enumerate() {
             scratch.places[row as usize] = (shape.columns + place) as u32;
         }
+        // Fresh pages are written before they are read: that is one fault instead of two.
+        values.fill(0.0);
         scratch.limits.clear();
         for pivot in 0..shape.columns {
             let column = first + pivot as u32;

@@ -29,6 +29,7 @@ mod elimination_tree;
 mod factor;
 mod matching;
 mod ordering;
+mod prefetch;
 mod responses;
 mod substitution;
 mod symbolic;

@@ -5,6 +5,7 @@
 //! with or without fused instructions, on any width, the results are the same.
 
 use crate::dense::{Block, Trapezoid};
+use crate::prefetch::prefetch;
 use crate::symbolic::Symbolic;
 use crate::walk::{Ascent, Descent, Passed, Tree};
 use pulp::{Arch, NullaryFnOnce};
@@ -14,6 +15,8 @@ pub(crate) type Lanes<const N: usize> = [f64; N];
 
 /// Columns of the factor that are gone through together.
 const GROUP: usize = 4;
+/// How many values ahead of the group at hand memory is asked for: 32 KiB.
+const AHEAD: usize = 1024;
 
 /// `L y = b`, in place.
 pub(crate) struct Forward<'a> {
@@ -78,8 +81,8 @@ impl<const N: usize> Ascent for ForwardLanes<'_, N> {
                 add(&mut rows[place as usize], values);
             }
         }
-        let values = &self.0.values[symbolic.value_starts[front]..];
-        Arch::new().dispatch(Job::<N, true> { shape, values, rows });
+        let (all, base) = (self.0.values, symbolic.value_starts[front]);
+        Arch::new().dispatch(Job::<N, true> { shape, all, base, rows });
         part.copy_from_slice(&rows[..shape.columns]);
         up.copy_from_slice(&rows[shape.columns..]);
         Ok(())
@@ -109,8 +112,8 @@ impl<const N: usize> Descent for BackwardLanes<'_, N> {
         for (row, &place) in below.iter_mut().zip(symbolic.in_parent(front)) {
             *row = above[place as usize];
         }
-        let values = &self.0.values[symbolic.value_starts[front]..];
-        Arch::new().dispatch(Job::<N, false> { shape: symbolic.shape(front), values, rows: own });
+        let (all, base) = (self.0.values, symbolic.value_starts[front]);
+        Arch::new().dispatch(Job::<N, false> { shape: symbolic.shape(front), all, base, rows: own });
         part.copy_from_slice(&own[..part.len()]);
     }
 }
@@ -118,7 +121,9 @@ impl<const N: usize> Descent for BackwardLanes<'_, N> {
 /// The substitution within a front, compiled for every instruction set.
 struct Job<'a, const N: usize, const FORWARD: bool> {
     shape: Trapezoid,
-    values: &'a [f64],
+    /// The factor's values, of which the front's start at `base`.
+    all: &'a [f64],
+    base: usize,
     rows: &'a mut [Lanes<N>],
 }
 
@@ -128,8 +133,8 @@ impl<const N: usize, const FORWARD: bool> NullaryFnOnce for Job<'_, N, FORWARD> 
     #[inline(always)]
     fn call(self) {
         match FORWARD {
-            true => forward(self.shape, self.values, self.rows),
-            false => backward(self.shape, self.values, self.rows),
+            true => forward(self.shape, self.all, self.base, self.rows),
+            false => backward(self.shape, self.all, self.base, self.rows),
         }
     }
 }
@@ -150,27 +155,19 @@ fn subtract<const N: usize>(row: &mut Lanes<N>, factor: f64, x: &Lanes<N>) {
 }
 
 #[inline(always)]
-fn forward<const N: usize>(shape: Trapezoid, values: &[f64], rows: &mut [Lanes<N>]) {
+fn forward<const N: usize>(shape: Trapezoid, all: &[f64], base: usize, rows: &mut [Lanes<N>]) {
     for block in shape.blocks() {
-        let values = &values[block.start..block.start + block.rows * block.columns];
+        let start = base + block.start;
+        let values = &all[start..start + block.rows * block.columns];
         let rows = &mut rows[block.column..];
         let grouped = block.columns / GROUP * GROUP;
         for column in (0..grouped).step_by(GROUP) {
-            touch(values, (column + GROUP) * block.rows, GROUP * block.rows);
+            prefetch(all, start + column * block.rows + AHEAD, GROUP * block.rows);
             forward_group::<GROUP, N>(block, values, column, rows);
         }
         for column in grouped..block.columns {
             forward_group::<1, N>(block, values, column, rows);
         }
-    }
-}
-
-#[inline(always)]
-fn touch(values: &[f64], start: usize, len: usize) {
-    if start < values.len() {
-        let end = (start + len).min(values.len());
-        let bits = values[start..end].iter().step_by(8).fold(0, |bits, value| bits | value.to_bits());
-        std::hint::black_box(bits);
     }
 }
 
@@ -204,16 +201,17 @@ fn forward_group<const G: usize, const N: usize>(
 }
 
 #[inline(always)]
-fn backward<const N: usize>(shape: Trapezoid, values: &[f64], rows: &mut [Lanes<N>]) {
+fn backward<const N: usize>(shape: Trapezoid, all: &[f64], base: usize, rows: &mut [Lanes<N>]) {
     for block in shape.blocks().rev() {
-        let values = &values[block.start..block.start + block.rows * block.columns];
+        let start = base + block.start;
+        let values = &all[start..start + block.rows * block.columns];
         let rows = &mut rows[block.column..];
         let grouped = block.columns / GROUP * GROUP;
         for column in (grouped..block.columns).rev() {
             backward_group::<1, N>(block, values, column, rows);
         }
         for column in (0..grouped).step_by(GROUP).rev() {
-            touch(values, column.saturating_sub(GROUP) * block.rows, GROUP * block.rows);
+            prefetch(all, (start + column * block.rows).saturating_sub(AHEAD), GROUP * block.rows);
             backward_group::<GROUP, N>(block, values, column, rows);
         }
     }

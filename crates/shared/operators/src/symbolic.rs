@@ -162,7 +162,7 @@ struct Fronts {
 
 /// Joined fronts of up to so many columns may have such a share of stored zeros: small fronts cost more in overhead than in
 /// arithmetic.
-const PADDING: [(u32, f64); 3] = [(16, 0.6), (64, 0.15), (u32::MAX, 0.04)];
+const PADDING: [(u32, f64); 3] = [(16, 0.35), (48, 0.1), (u32::MAX, 0.025)];
 /// Fronts of up to so many columns are joined whatever it costs.
 const TINY: u32 = 6;
 
