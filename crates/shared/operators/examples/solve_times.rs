@@ -12,6 +12,7 @@
 
 use nalgebra::Point3;
 use operators::{CsMat, Dirichlet, Factor, Ordering};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 struct Problem {
@@ -47,7 +48,7 @@ impl Problem {
     }
 }
 
-/// Nanoseconds that this process' threads have been on a processor.
+/// Seconds that this process' threads have been on a processor.
 fn cpu_seconds() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").unwrap();
     let spent = tasks.filter_map(|task| {
@@ -64,10 +65,10 @@ fn memory_mib(line: &str) -> f64 {
     found.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() / 1024.0
 }
 
-/// Named times, `{"name": [cpu, wall], …}`, in seconds.
+/// Named times in seconds, `{"name": [[cpu, wall], …], …}`.
 #[derive(Default)]
 struct Clock {
-    rows: Vec<String>,
+    times: BTreeMap<String, Vec<String>>,
 }
 
 impl Clock {
@@ -75,8 +76,13 @@ impl Clock {
         let (cpu, wall) = (cpu_seconds(), Instant::now());
         let result = work();
         let (cpu, wall) = (cpu_seconds() - cpu, wall.elapsed().as_secs_f64());
-        self.rows.push(format!("\"{name}\":[{cpu:.4},{wall:.4}]"));
+        self.times.entry(name.to_string()).or_default().push(format!("[{cpu:.5},{wall:.5}]"));
         result
+    }
+
+    fn json(&self) -> String {
+        let of = |(name, times): (&String, &Vec<String>)| format!("\"{name}\":[{}]", times.join(","));
+        format!("{{{}}}", self.times.iter().map(of).collect::<Vec<_>>().join(","))
     }
 }
 
@@ -126,11 +132,11 @@ fn run(problem: &Problem, order: Option<&str>, repeats: usize) -> String {
     let accuracy = accuracy_mm(problem, factor);
     format!(
         "{{\"vertices\":{},\"entries\":{},\"stored\":{},\"before_mib\":{before_mib:.1},\"factor_mib\":{factor_mib:.1},\
-         \"accuracy_mm\":{accuracy:e},\"seconds\":{{{}}}}}",
+         \"accuracy_mm\":{accuracy:e},\"seconds\":{}}}",
         problem.points.len(),
         factor.entry_count(),
         factor.stored_count(),
-        clock.rows.join(",")
+        clock.json()
     )
 }
 

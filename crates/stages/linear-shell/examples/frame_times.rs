@@ -1,6 +1,6 @@
 //! Times of frames from a response basis: what `just bench linear-shell` runs.
 //!
-//! `frame_times --vertices N --handles N [--threads N] [--repeats N] [--isa scalar|v3|best]` prints one JSON object:
+//! `frame_times --vertices N --handles N [--threads N] [--repeats N]` prints one JSON object:
 //! seconds `[cpu, wall]` of every repeat, for one frame and for a batch of sixteen. What the numbers are does not change the
 //! time, so the basis is made up.
 #![allow(
