@@ -120,7 +120,8 @@ impl Part {
             let mut highest = heights[vertex];
             for &other in self.neighbors(vertex) {
                 let other = heights[other as usize];
-                (0..DIRECTIONS).for_each(|i| highest[i] = if other[i] > highest[i] { other[i] } else { highest[i] });
+                (0..DIRECTIONS)
+                    .for_each(|i| highest[i] = if other[i] > highest[i] { other[i] } else { highest[i] });
             }
             highest
         };
@@ -130,7 +131,8 @@ impl Part {
     /// The plane with the fewest vertices that have neighbours beyond it, over all directions, near the middle.
     fn best_plane(&self, heights: &[Heights], highest: &[Heights]) -> Option<Plane> {
         let planes = (0..DIRECTIONS).filter_map(|direction| {
-            let of = |heights: &[Heights]| heights.iter().map(|heights| heights[direction]).collect::<Vec<_>>();
+            let of =
+                |heights: &[Heights]| heights.iter().map(|heights| heights[direction]).collect::<Vec<_>>();
             profile(direction, &of(heights), &of(highest))
         });
         planes.min_by(|a, b| a.cost.total_cmp(&b.cost))
@@ -156,14 +158,16 @@ impl Part {
 
     /// The vertices of one side, with the edges among them.
     fn side(&self, side: &[u8], which: u8) -> Part {
-        let kept: Vec<u32> = (0..self.len() as u32).filter(|&vertex| side[vertex as usize] == which).collect();
+        let kept: Vec<u32> =
+            (0..self.len() as u32).filter(|&vertex| side[vertex as usize] == which).collect();
         let mut renamed = vec![0u32; self.len()];
         kept.iter().enumerate().for_each(|(place, &vertex)| renamed[vertex as usize] = place as u32);
         let mut starts = Vec::with_capacity(kept.len() + 1);
         let mut neighbors = Vec::with_capacity(self.neighbors.len() * kept.len() / self.len().max(1));
         starts.push(0);
         for &vertex in &kept {
-            let inside = self.neighbors(vertex as usize).iter().filter(|&&other| side[other as usize] == which);
+            let inside =
+                self.neighbors(vertex as usize).iter().filter(|&&other| side[other as usize] == which);
             neighbors.extend(inside.map(|&other| renamed[other as usize]));
             starts.push(neighbors.len() as u32);
         }

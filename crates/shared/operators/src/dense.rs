@@ -102,10 +102,16 @@ pub(crate) struct NotPositive {
 }
 
 /// Eliminates the pivot columns of a front, in place. `limits`: per column the least pivot that is not rounding error.
-pub(crate) fn eliminate(shape: Trapezoid, values: &mut [f64], limits: &[f64], wide: bool) -> Result<(), NotPositive> {
+pub(crate) fn eliminate(
+    shape: Trapezoid,
+    values: &mut [f64],
+    limits: &[f64],
+    wide: bool,
+) -> Result<(), NotPositive> {
     for block in shape.blocks() {
         let (done, later) = values.split_at_mut(block.end());
-        let current = MatMut::from_column_major_slice_mut(&mut done[block.start..], block.rows, block.columns);
+        let current =
+            MatMut::from_column_major_slice_mut(&mut done[block.start..], block.rows, block.columns);
         factor_block(block, current, limits, wide)?;
         let done = block.of(done);
         let following = shape.blocks().skip_while(|other| other.column <= block.column);
@@ -117,25 +123,37 @@ pub(crate) fn eliminate(shape: Trapezoid, values: &mut [f64], limits: &[f64], wi
     Ok(())
 }
 
-fn factor_block(block: Block, current: MatMut<'_, f64>, limits: &[f64], wide: bool) -> Result<(), NotPositive> {
+fn factor_block(
+    block: Block,
+    current: MatMut<'_, f64>,
+    limits: &[f64],
+    wide: bool,
+) -> Result<(), NotPositive> {
     let (mut diagonal, below) = current.split_at_row_mut(block.columns);
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(block.columns, Par::Seq, Default::default()));
+    let mut memory =
+        MemBuffer::new(cholesky_in_place_scratch::<f64>(block.columns, Par::Seq, Default::default()));
     let stack = MemStack::new(&mut memory);
-    let factored =
-        cholesky_in_place(diagonal.as_mut(), LltRegularization::default(), Par::Seq, stack, Default::default());
+    let factored = cholesky_in_place(
+        diagonal.as_mut(),
+        LltRegularization::default(),
+        Par::Seq,
+        stack,
+        Default::default(),
+    );
     let valid = factored.map_or_else(
         |faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| index,
         |_| block.columns,
     );
     let lost = |&column: &usize| {
         let root = diagonal[(column, column)];
-        !(root * root > limits[block.column + column])
+        root.is_nan() || root * root <= limits[block.column + column]
     };
     if let Some(column) = (0..valid).find(lost).or((valid < block.columns).then_some(valid)) {
         return Err(NotPositive { column: block.column + column });
     }
     let diagonal = diagonal.as_ref();
-    let solve = |rows: MatMut<'_, f64>| solve_lower_triangular_in_place(diagonal, rows.transpose_mut(), Par::Seq);
+    let solve =
+        |rows: MatMut<'_, f64>| solve_lower_triangular_in_place(diagonal, rows.transpose_mut(), Par::Seq);
     match wide && below.nrows() > CHUNK {
         true => below.par_row_chunks_mut(CHUNK).for_each(solve),
         false => solve(below),

@@ -6,7 +6,8 @@
 use crate::dense::{NotPositive, Trapezoid, eliminate, update_of};
 use crate::elimination_tree::Permuted;
 use crate::symbolic::Symbolic;
-use crate::walk::{Ascent, Passed, Tree};
+use crate::tree::Tree;
+use crate::walk::{Ascent, Passed};
 
 /// A pivot below this share of its diagonal entry has lost 42 of its 52 bits: what is left is rounding error, and the
 /// system does not determine that vertex.
@@ -96,7 +97,8 @@ impl Elimination<'_> {
             let diagonal = shape.diagonal(pivot);
             for (row, value) in self.matrix.column(column as usize).filter(|&(row, _)| row >= column) {
                 let inside = (row - first) as usize;
-                let place = if inside < shape.columns { inside } else { scratch.places[row as usize] as usize };
+                let place =
+                    if inside < shape.columns { inside } else { scratch.places[row as usize] as usize };
                 values[diagonal + place - pivot] += value;
             }
             scratch.limits.push(LOST * values[diagonal]);

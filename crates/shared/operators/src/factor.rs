@@ -46,8 +46,7 @@ impl Factor {
         let symbolic = Symbolic::new(matrix, order);
         let mut values = zeros(symbolic.value_starts[symbolic.front_count()])
             .ok_or(FactorError::OutOfMemory { unknown_count: order.len() })?;
-        let elimination =
-            Elimination { symbolic: &symbolic, matrix: Permuted::new(matrix, &symbolic.order) };
+        let elimination = Elimination { symbolic: &symbolic, matrix: Permuted::new(matrix, &symbolic.order) };
         elimination
             .ascend(&mut values)
             .map_err(|column| FactorError::NotPositive { vertex: symbolic.order[column] })?;

@@ -54,7 +54,8 @@ impl Ordering {
         let mut starts = vec![0];
         let mut neighbors = Vec::with_capacity(pattern.nnz());
         for (vertex, row) in pattern.outer_iterator().enumerate() {
-            neighbors.extend(row.indices().iter().filter(|&&other| other != vertex).map(|&other| other as u32));
+            neighbors
+                .extend(row.indices().iter().filter(|&&other| other != vertex).map(|&other| other as u32));
             starts.push(neighbors.len() as u32);
         }
         let mut vertices = vec![0; pattern.rows()];
@@ -86,7 +87,8 @@ impl Ordering {
 /// Every point moved to the middle of its neighbours: cuts follow the graph, not the scatter of its points.
 fn smoothed(pattern: &CsMat<f64>, points: &[Point3<f64>]) -> Vec<[f32; 3]> {
     let middle = |row: sprs::CsVecView<f64>| {
-        let sum = row.indices().iter().fold(nalgebra::Vector3::zeros(), |sum, &other| sum + points[other].coords);
+        let sum =
+            row.indices().iter().fold(nalgebra::Vector3::zeros(), |sum, &other| sum + points[other].coords);
         let mean = sum / row.nnz().max(1) as f64;
         [mean.x as f32, mean.y as f32, mean.z as f32]
     };

@@ -7,7 +7,8 @@
 use crate::elimination_tree::NONE;
 use crate::factor::Factor;
 use crate::symbolic::Symbolic;
-use crate::walk::{Descent, Tree};
+use crate::tree::Tree;
+use crate::walk::Descent;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, MatMut, MatRef, Par};

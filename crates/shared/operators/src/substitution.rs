@@ -7,7 +7,8 @@
 use crate::dense::{Block, Trapezoid};
 use crate::prefetch::prefetch;
 use crate::symbolic::Symbolic;
-use crate::walk::{Ascent, Descent, Passed, Tree};
+use crate::tree::Tree;
+use crate::walk::{Ascent, Descent, Passed};
 use pulp::{Arch, NullaryFnOnce};
 
 /// The values of one row in `N` right-hand sides.

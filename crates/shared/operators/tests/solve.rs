@@ -172,7 +172,8 @@ fn awkward_graphs() -> Vec<(&'static str, usize, Vec<(usize, usize)>)> {
         let across = (0..side * side).filter(|i| i % side + 1 < side).map(|i| (i, i + 1));
         across.chain((0..side * (side - 1)).map(|i| (i, i + side))).collect()
     };
-    let comb = (0..400).flat_map(|i| [(i * 5, (i * 5 + 5) % 2000), (i * 5, i * 5 + 1), (i * 5 + 1, i * 5 + 2)]);
+    let comb =
+        (0..400).flat_map(|i| [(i * 5, (i * 5 + 5) % 2000), (i * 5, i * 5 + 1), (i * 5 + 1, i * 5 + 2)]);
     vec![
         ("path", 3000, (1..3000).map(|i| (i - 1, i)).collect()),
         ("star", 3000, (1..3000).map(|i| (0, i)).collect()),
@@ -202,7 +203,12 @@ fn awkward_graphs_are_ordered_and_solved() {
             assert!(is_a_permutation(&ordering, count), "{name}");
             let factor = Factor::new(&matrix, ordering.vertices()).unwrap();
             let bound = natural.entry_count() + natural.entry_count() / 2;
-            assert!(factor.entry_count() <= bound, "{name}: {} {}", factor.entry_count(), natural.entry_count());
+            assert!(
+                factor.entry_count() <= bound,
+                "{name}: {} {}",
+                factor.entry_count(),
+                natural.entry_count()
+            );
             assert!(residual(&matrix, &factor) < 1e-9, "{name}");
         }
         assert!(residual(&matrix, &natural) < 1e-9, "{name}");
@@ -225,7 +231,8 @@ fn coordinates_that_are_no_numbers_are_left_aside() {
 #[test]
 fn deep_trees_are_walked() {
     const COUNT: usize = 12_000;
-    let edges: Vec<(usize, usize)> = (0..COUNT).flat_map(|i| (i.saturating_sub(40)..i).map(move |j| (j, i))).collect();
+    let edges: Vec<(usize, usize)> =
+        (0..COUNT).flat_map(|i| (i.saturating_sub(40)..i).map(move |j| (j, i))).collect();
     let matrix = graph_matrix(COUNT, &edges);
     let factor = Factor::new(&matrix, &(0..COUNT as u32).collect::<Vec<_>>()).unwrap();
     assert!(residual(&matrix, &factor) < 1e-9);
@@ -246,7 +253,8 @@ fn threads_change_nothing() {
         pool.install(|| {
             let ordering = Ordering::nested_dissection(&matrix, &mesh.positions);
             let system = Dirichlet::factor(&matrix, &handles, &[3, 4], &ordering).unwrap();
-            let values: Vec<Vec<f64>> = (0..3).map(|axis| (0..7).map(|i| f64::from(i * axis) - 2.5).collect()).collect();
+            let values: Vec<Vec<f64>> =
+                (0..3).map(|axis| (0..7).map(|i| f64::from(i * axis) - 2.5).collect()).collect();
             let responses = system.responses(true);
             (ordering, system.solve(&values), responses.values, responses.schur)
         })
@@ -264,7 +272,8 @@ fn columns_do_not_touch_each_other() {
     let system = Dirichlet::factor(&matrix, &[0, 30, 500, 930], &[], &ordering).unwrap();
     let column = |i: usize| -> Vec<f64> { (0..4).map(|j| ((i * 5 + j * 3) % 7) as f64 - 3.0).collect() };
     let columns: Vec<Vec<f64>> = (0..19).map(column).collect();
-    let alone: Vec<Vec<f64>> = columns.iter().flat_map(|one| system.solve(std::slice::from_ref(one))).collect();
+    let alone: Vec<Vec<f64>> =
+        columns.iter().flat_map(|one| system.solve(std::slice::from_ref(one))).collect();
     for count in [2, 3, 4, 5, 8, 9, 19] {
         assert_eq!(system.solve(&columns[..count]), alone[..count]);
     }
@@ -284,7 +293,8 @@ fn parts_that_nothing_holds_are_refused() {
     }
     let matrix: CsMat<f64> = entries.to_csr();
     let far = |p: &Point3<f64>| Point3::new(p.x + 500.0, p.y, p.z);
-    let points: Vec<Point3<f64>> = mesh.positions.iter().copied().chain(mesh.positions.iter().map(far)).collect();
+    let points: Vec<Point3<f64>> =
+        mesh.positions.iter().copied().chain(mesh.positions.iter().map(far)).collect();
     let ordering = Ordering::nested_dissection(&matrix, &points);
     match Dirichlet::factor(&matrix, &[0, 12], &[], &ordering).err() {
         Some(FactorError::NotPositive { vertex }) => assert!(vertex as usize >= part, "{vertex}"),

@@ -91,7 +91,9 @@ impl WithSimd for Job<'_> {
             while column < *width {
                 let left = (width - column) / S::F32_LANES;
                 let step = match (left >= VECTORS, products.len() == TILE * width) {
-                    (true, true) => tile::<S, TILE, VECTORS>(simd, coefficients, *width, column, basis, products),
+                    (true, true) => {
+                        tile::<S, TILE, VECTORS>(simd, coefficients, *width, column, basis, products)
+                    }
                     (false, true) => tile::<S, TILE, 1>(simd, coefficients, *width, column, basis, products),
                     (_, false) => rows_left(simd, coefficients, *width, column, basis, products),
                 };
