@@ -84,7 +84,7 @@ impl Solver {
         match &self.method {
             Method::Basis(basis) => basis.deform_into(rest, frames, scale, out),
             Method::Direct(shell) => {
-                let placed = |handles| place(rest, &flat(&shell.solve(handles)), scale);
+                let placed = |handles: &Vec<Vector3<f64>>| place(rest, &flat(&shell.solve(handles)), scale);
                 *out = frames.iter().map(placed).collect();
             }
         }
