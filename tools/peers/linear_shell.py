@@ -476,6 +476,46 @@ def plain_write(path, size):
     return seconds
 
 
+def bench_basis_frames(ctx, vertex_count=700_000, repeats=3):
+    """Frames from the response basis, against one solve of three columns by CHOLMOD: what a frame costs there."""
+    import subprocess
+
+    import operators
+
+    system = operators.synthetic(ctx, vertex_count)
+    vertices = int(np.fromfile(system, "<u8", 1)[0])
+    words = [operators.example(ctx, "linear-shell", "frame_times"), "--vertices", str(vertices), "--handles", "90", "--threads", "1"]
+    ours, solves = {"frame": [], "batch16": []}, []
+    for _ in range(repeats):
+        times = json.loads(subprocess.run(words, capture_output=True, text=True, check=True).stdout)
+        for name, into in ours.items():
+            into.append(float(np.median([row[0] for row in times[name]])))
+        # Kernels of either width: a solve of three columns is bound by memory.
+        runs = [operators.peer(ctx, system, 1, kernel) for kernel in operators.KERNELS]
+        solves.append(min(operators.median(run["seconds"], "solve3", 0) for run in runs))
+    about = {"vertices": vertices, "handles": 90, "peers_s": solves, "clock": "CPU seconds, one thread each",
+             "peer": "CHOLMOD + METIS, the better of OpenBLAS' kernels", "timed": "#V × 3 coordinates in f32, rest pose and unit included"}
+    yield metric("basis_frame_vs_cholmod_solve3", float(np.median(ours["frame"]) / np.median(solves)), 0.15, "lower", "1",
+                 ours_s=ours["frame"], **about)
+    yield metric("basis_batch16_vs_cholmod_solve3", float(np.median(ours["batch16"]) / 16 / np.median(solves)), 0.015, "lower", "1",
+                 ours_s=ours["batch16"], note="per frame of a batch of 16", **about)
+
+
+def bench_frame_rate(ctx, vertex_count=700_000, frame_count=64):
+    """Frames per second from the basis into a vertex cache, beside what the disk takes."""
+    _, _, _, _, mesh_path, handles_path = problem(ctx, "rate", vertex_count, 2, frame_count)
+    rates, disk = [], []
+    for _ in range(3):
+        _, summary = deform(ctx, mesh_path, "mm", handles_path, "rate", "--threads", "2", "--cache", ctx.tmp / "bases")
+        size = (ctx.tmp / "rate.pc2").stat().st_size
+        rates.append(frame_count / (summary["seconds"]["frames"] + summary["seconds"]["write"]))
+        disk.append(frame_count / plain_write(ctx.tmp / "plain.bin", size))
+    yield metric("frames_per_s_700k", float(np.median(rates)), None, None, "frames/s", rates=rates, disk_frames_per_s=disk,
+                 timed="the frames' arithmetic, checks, write and fsync on two threads; the disk: the same bytes in one plain write")
+
+
 def bench(ctx):
     yield from bench_first_frame(ctx)
+    yield from bench_basis_frames(ctx)
+    yield from bench_frame_rate(ctx)
     yield from bench_pc2(ctx)

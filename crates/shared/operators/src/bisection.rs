@@ -1,210 +1,215 @@
-//! Cutting a graph in two by a plane through its coordinates: the step of nested dissection.
+//! Cutting a graph in two by a small separator: the step of nested dissection.
 
-use nalgebra::{Matrix3, Point3, Vector3};
-use sprs::CsMat;
+use crate::matching::{Crossing, minimum_cover};
+use nalgebra::{Matrix3, Vector3};
 
-/// A set of vertices cut into two parts that no edge joins, and the separator between them.
-pub(crate) struct Cut {
-    pub(crate) parts: [Vec<u32>; 2],
-    pub(crate) separator: Vec<u32>,
-}
-
-/// Cuts `vertices` at the median along the better of a few directions: the principal axes of their coordinates. The
-/// separator is a minimum vertex cover of the edges that cross the plane [König's theorem], so it is as small as that plane
-/// allows. `side` is scratch, one entry per vertex of the graph, all [`OUTSIDE`] before and after.
-pub(crate) fn bisect(pattern: &CsMat<f64>, points: &[Point3<f64>], vertices: &[u32], side: &mut [u8]) -> Cut {
-    let mut best: Option<Cut> = None;
-    for direction in directions(points, vertices) {
-        let cut = cut_along(pattern, points, vertices, direction, side);
-        if best.as_ref().is_none_or(|best| cut.separator.len() < best.separator.len()) {
-            best = Some(cut);
-        }
-    }
-    best.unwrap_or(Cut { parts: [Vec::new(), Vec::new()], separator: vertices.to_vec() })
-}
-
-/// Mark of vertices that are not in the set at hand.
-pub(crate) const OUTSIDE: u8 = 2;
-
-/// The two longest principal axes of the points.
-fn directions(points: &[Point3<f64>], vertices: &[u32]) -> [Vector3<f64>; 2] {
-    let at = |vertex: &u32| points[*vertex as usize].coords;
-    let mean = vertices.iter().map(at).sum::<Vector3<f64>>() / vertices.len() as f64;
-    let mut spread = Matrix3::zeros();
-    for vertex in vertices {
-        let offset = at(vertex) - mean;
-        spread += offset * offset.transpose();
-    }
-    let eigen = spread.symmetric_eigen();
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    [order[0], order[1]].map(|axis| eigen.eigenvectors.column(axis).into())
-}
-
-fn cut_along(
-    pattern: &CsMat<f64>,
-    points: &[Point3<f64>],
-    vertices: &[u32],
-    direction: Vector3<f64>,
-    side: &mut [u8],
-) -> Cut {
-    let height = |vertex: u32| points[vertex as usize].coords.dot(&direction);
-    let mut order: Vec<(f64, u32)> = vertices.iter().map(|&vertex| (height(vertex), vertex)).collect();
-    let half = order.len() / 2;
-    // The index breaks ties, so that equal coordinates are still halved, and always alike.
-    order.select_nth_unstable_by(half, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    for (rank, &(_, vertex)) in order.iter().enumerate() {
-        side[vertex as usize] = u8::from(rank >= half);
-    }
-    let separator = minimum_cover(pattern, vertices, side);
-    separator.iter().for_each(|&vertex| side[vertex as usize] = OUTSIDE);
-    let part =
-        |which: u8| vertices.iter().copied().filter(|&vertex| side[vertex as usize] == which).collect();
-    let parts = [part(0), part(1)];
-    vertices.iter().for_each(|&vertex| side[vertex as usize] = OUTSIDE);
-    Cut { parts, separator }
-}
-
-/// The bipartite graph of the edges that cross: left vertices (side 0), each with its right neighbours (side 1).
-struct Crossing {
-    left: Vec<u32>,
-    right: Vec<u32>,
-    starts: Vec<usize>,
-    /// Indices into `right`.
+/// A piece of a graph, with vertices of its own numbering: what lies in a part stays together in memory.
+pub(crate) struct Part {
+    /// Names in the whole graph.
+    pub(crate) vertices: Vec<u32>,
+    /// Places, if there are any to go by.
+    places: Vec<[f32; 3]>,
+    starts: Vec<u32>,
     neighbors: Vec<u32>,
 }
 
-impl Crossing {
-    fn of(pattern: &CsMat<f64>, vertices: &[u32], side: &[u8]) -> Self {
-        let mut crossing =
-            Self { left: Vec::new(), right: Vec::new(), starts: vec![0], neighbors: Vec::new() };
-        for &vertex in vertices.iter().filter(|&&vertex| side[vertex as usize] == 0) {
-            let before = crossing.neighbors.len();
-            let row = pattern.indptr().outer_inds_sz(vertex as usize);
-            let across = pattern.indices()[row].iter().filter(|&&other| side[other] == 1);
-            crossing.neighbors.extend(across.map(|&other| other as u32));
-            if crossing.neighbors.len() > before {
-                crossing.left.push(vertex);
-                crossing.starts.push(crossing.neighbors.len());
-            }
-        }
-        crossing.right = crossing.neighbors.clone();
-        crossing.right.sort_unstable();
-        crossing.right.dedup();
-        for neighbor in &mut crossing.neighbors {
-            *neighbor = crossing.right.partition_point(|vertex| vertex < neighbor) as u32;
-        }
-        crossing
-    }
+/// Directions that are looked along.
+const DIRECTIONS: usize = 4;
+/// Steps of a direction in which the plane may stand.
+const BINS: usize = 256;
+/// Least share of a part on either side of the cut, where there is a choice, and where there is none.
+const BALANCE: f32 = 0.38;
+const LEAST_BALANCE: f32 = 0.1;
 
-    fn of_left(&self, left: usize) -> &[u32] {
-        &self.neighbors[self.starts[left]..self.starts[left + 1]]
-    }
+/// Per vertex how high it stands along every direction.
+type Heights = [f32; DIRECTIONS];
+
+/// A plane: a direction and a height. Vertices below it are on one side.
+struct Plane {
+    direction: usize,
+    height: f32,
+    cost: f32,
 }
 
-const FREE: u32 = u32::MAX;
-
-/// A smallest set of vertices that touches every crossing edge: from a maximum matching, the left vertices that no
-/// alternating path from a free left vertex reaches, and the right vertices that one does.
-fn minimum_cover(pattern: &CsMat<f64>, vertices: &[u32], side: &[u8]) -> Vec<u32> {
-    let crossing = Crossing::of(pattern, vertices, side);
-    let matching = Matching::maximum(&crossing);
-    let mut left_reached = vec![false; crossing.left.len()];
-    let mut right_reached = vec![false; crossing.right.len()];
-    let mut queue: Vec<usize> =
-        (0..crossing.left.len()).filter(|&left| matching.of_left[left] == FREE).collect();
-    queue.iter().for_each(|&left| left_reached[left] = true);
-    while let Some(left) = queue.pop() {
-        for &right in crossing.of_left(left) {
-            if std::mem::replace(&mut right_reached[right as usize], true) {
-                continue;
-            }
-            let next = matching.of_right[right as usize] as usize;
-            if next != FREE as usize && !std::mem::replace(&mut left_reached[next], true) {
-                queue.push(next);
-            }
-        }
-    }
-    let left = (0..crossing.left.len()).filter(|&left| !left_reached[left]).map(|left| crossing.left[left]);
-    let right =
-        (0..crossing.right.len()).filter(|&right| right_reached[right]).map(|right| crossing.right[right]);
-    left.chain(right).collect()
-}
-
-/// Partners in a bipartite matching.
-struct Matching {
-    of_left: Vec<u32>,
-    of_right: Vec<u32>,
-}
-
-impl Matching {
-    /// A maximum matching by shortest augmenting paths, level by level [HopcroftKarp1973].
-    fn maximum(crossing: &Crossing) -> Self {
-        let mut matching =
-            Self { of_left: vec![FREE; crossing.left.len()], of_right: vec![FREE; crossing.right.len()] };
-        while let Some(levels) = matching.levels(crossing) {
-            let mut next = crossing.starts.clone();
-            for left in 0..crossing.left.len() {
-                if matching.of_left[left] == FREE {
-                    matching.augment(crossing, &levels, &mut next, left);
-                }
-            }
-        }
-        matching
+impl Part {
+    pub(crate) fn new(
+        vertices: Vec<u32>,
+        places: Vec<[f32; 3]>,
+        starts: Vec<u32>,
+        neighbors: Vec<u32>,
+    ) -> Self {
+        Self { vertices, places, starts, neighbors }
     }
 
-    /// Breadth-first levels of the left vertices, or `None` when no augmenting path is left.
-    fn levels(&self, crossing: &Crossing) -> Option<Vec<u32>> {
-        let mut levels = vec![FREE; crossing.left.len()];
-        let mut queue: Vec<usize> = (0..levels.len()).filter(|&left| self.of_left[left] == FREE).collect();
-        queue.iter().for_each(|&left| levels[left] = 0);
-        let mut found = false;
+    pub(crate) fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    pub(crate) fn neighbors(&self, vertex: usize) -> &[u32] {
+        &self.neighbors[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+
+    /// Cuts the part in two that no edge joins, and the separator between them (names in the whole graph): along the
+    /// coordinates where they help, else between sets of vertices at the same distance from one. Nothing if the graph does
+    /// not fall apart, like a clique.
+    pub(crate) fn bisect(&self) -> Option<([Part; 2], Vec<u32>)> {
+        let along = (!self.places.is_empty()).then(|| self.heights_along_axes());
+        let cut = |heights: Vec<Heights>| {
+            let highest = self.highest_neighbors(&heights);
+            self.best_plane(&heights, &highest).map(|plane| self.cut(&plane, &heights, &highest))
+        };
+        along.and_then(cut).or_else(|| cut(self.levels()))
+    }
+
+    /// Heights along the two longest principal axes and the diagonals between them.
+    fn heights_along_axes(&self) -> Vec<Heights> {
+        let at = |place: &[f32; 3]| Vector3::from(place.map(f64::from));
+        let count = self.len() as f64;
+        let mean = self.places.iter().map(at).sum::<Vector3<f64>>() / count;
+        let mut spread = Matrix3::zeros();
+        for place in &self.places {
+            let offset = at(place) - mean;
+            spread += offset * offset.transpose();
+        }
+        let eigen = spread.symmetric_eigen();
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        let [long, wide] = [order[0], order[1]].map(|axis| eigen.eigenvectors.column(axis).into_owned());
+        let axes = [long, wide, long + wide, long - wide].map(|axis| axis.cast::<f32>());
+        let mean = mean.cast::<f32>();
+        let height = |place: &[f32; 3]| axes.map(|axis| (Vector3::from(*place) - mean).dot(&axis));
+        self.places.iter().map(height).collect()
+    }
+
+    /// Distances from a vertex at the rim of the graph, in edges; every component starts where the one before ended.
+    fn levels(&self) -> Vec<Heights> {
+        let start = self.breadth_first(0).last().map_or(0, |&(vertex, _)| vertex);
+        let mut heights = vec![[0.0; DIRECTIONS]; self.len()];
+        for (vertex, level) in self.breadth_first(start) {
+            heights[vertex as usize] = [level as f32, 0.0, 0.0, 0.0];
+        }
+        heights
+    }
+
+    /// All vertices with their levels, component after component, the first from `start`.
+    fn breadth_first(&self, start: u32) -> Vec<(u32, u32)> {
+        let mut seen = vec![false; self.len()];
+        let mut queue: Vec<(u32, u32)> = Vec::with_capacity(self.len());
         let mut at = 0;
-        while at < queue.len() {
-            let left = queue[at];
-            at += 1;
-            for &right in crossing.of_left(left) {
-                match self.of_right[right as usize] {
-                    FREE => found = true,
-                    partner if levels[partner as usize] == FREE => {
-                        levels[partner as usize] = levels[left] + 1;
-                        queue.push(partner as usize);
-                    }
-                    _ => {}
-                }
-            }
-        }
-        found.then_some(levels)
-    }
-
-    /// Follows the levels from a free left vertex to a free right one and flips the path; without recursion, since
-    /// paths can be long.
-    fn augment(&mut self, crossing: &Crossing, levels: &[u32], next: &mut [usize], start: usize) {
-        let mut path: Vec<(usize, u32)> = Vec::new();
-        let mut left = start;
-        loop {
-            if next[left] == crossing.starts[left + 1] {
-                let Some((previous, _)) = path.pop() else { return };
-                left = previous;
+        for root in std::iter::once(start).chain(0..self.len() as u32) {
+            if std::mem::replace(&mut seen[root as usize], true) {
                 continue;
             }
-            let right = crossing.neighbors[next[left]];
-            next[left] += 1;
-            match self.of_right[right as usize] {
-                FREE => {
-                    path.push((left, right));
-                    for (left, right) in path {
-                        self.of_left[left] = right;
-                        self.of_right[right as usize] = left as u32;
+            queue.push((root, queue.last().map_or(0, |&(_, level)| level + 1)));
+            while at < queue.len() {
+                let (vertex, level) = queue[at];
+                at += 1;
+                for &other in self.neighbors(vertex as usize) {
+                    if !std::mem::replace(&mut seen[other as usize], true) {
+                        queue.push((other, level + 1));
                     }
-                    return;
                 }
-                partner if levels[partner as usize] == levels[left] + 1 => {
-                    path.push((left, right));
-                    left = partner as usize;
-                }
-                _ => {}
             }
         }
+        queue
     }
+
+    /// Per vertex the height of its highest neighbour.
+    fn highest_neighbors(&self, heights: &[Heights]) -> Vec<Heights> {
+        let highest = |vertex: usize| {
+            let mut highest = heights[vertex];
+            for &other in self.neighbors(vertex) {
+                let other = heights[other as usize];
+                (0..DIRECTIONS)
+                    .for_each(|i| highest[i] = if other[i] > highest[i] { other[i] } else { highest[i] });
+            }
+            highest
+        };
+        (0..self.len()).map(highest).collect()
+    }
+
+    /// The plane with the fewest vertices that have neighbours beyond it, over all directions, near the middle.
+    fn best_plane(&self, heights: &[Heights], highest: &[Heights]) -> Option<Plane> {
+        let planes = (0..DIRECTIONS).filter_map(|direction| {
+            let of =
+                |heights: &[Heights]| heights.iter().map(|heights| heights[direction]).collect::<Vec<_>>();
+            profile(direction, &of(heights), &of(highest))
+        });
+        planes.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    fn cut(&self, plane: &Plane, heights: &[Heights], highest: &[Heights]) -> ([Part; 2], Vec<u32>) {
+        const SEPARATOR: u8 = 2;
+        let below = |vertex: usize| heights[vertex][plane.direction] < plane.height;
+        let (mut left, mut starts, mut neighbors) = (Vec::new(), vec![0], Vec::new());
+        for vertex in (0..self.len()).filter(|&vertex| below(vertex)) {
+            if highest[vertex][plane.direction] >= plane.height {
+                left.push(vertex as u32);
+                neighbors.extend(self.neighbors(vertex).iter().filter(|&&other| !below(other as usize)));
+                starts.push(neighbors.len());
+            }
+        }
+        let separator = minimum_cover(&Crossing::new(left, starts, neighbors));
+        let mut side: Vec<u8> = (0..self.len()).map(|vertex| u8::from(!below(vertex))).collect();
+        separator.iter().for_each(|&vertex| side[vertex as usize] = SEPARATOR);
+        let names = separator.iter().map(|&vertex| self.vertices[vertex as usize]).collect();
+        ([self.side(&side, 0), self.side(&side, 1)], names)
+    }
+
+    /// The vertices of one side, with the edges among them.
+    fn side(&self, side: &[u8], which: u8) -> Part {
+        let kept: Vec<u32> =
+            (0..self.len() as u32).filter(|&vertex| side[vertex as usize] == which).collect();
+        let mut renamed = vec![0u32; self.len()];
+        kept.iter().enumerate().for_each(|(place, &vertex)| renamed[vertex as usize] = place as u32);
+        let mut starts = Vec::with_capacity(kept.len() + 1);
+        let mut neighbors = Vec::with_capacity(self.neighbors.len() * kept.len() / self.len().max(1));
+        starts.push(0);
+        for &vertex in &kept {
+            let inside =
+                self.neighbors(vertex as usize).iter().filter(|&&other| side[other as usize] == which);
+            neighbors.extend(inside.map(|&other| renamed[other as usize]));
+            starts.push(neighbors.len() as u32);
+        }
+        let vertices = kept.iter().map(|&vertex| self.vertices[vertex as usize]).collect();
+        let places = match self.places.is_empty() {
+            true => Vec::new(),
+            false => kept.iter().map(|&vertex| self.places[vertex as usize]).collect(),
+        };
+        Part { vertices, places, starts, neighbors }
+    }
+}
+
+/// The best plane along one direction: for every step the vertices below and, of these, those with a neighbour above.
+fn profile(direction: usize, heights: &[f32], highest: &[f32]) -> Option<Plane> {
+    let lowest = heights.iter().copied().fold(f32::INFINITY, f32::min);
+    let top = heights.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let step = (top - lowest) / BINS as f32;
+    if !(step > 0.0 && step.is_finite()) {
+        return None;
+    }
+    // Rounded like the comparison with the plane's height, which stands at the bottom of a step.
+    let bin = |height: f32| (((height - lowest) / step) as usize).min(BINS - 1);
+    let (mut counts, mut layers) = ([0i32; BINS], [0i32; BINS + 1]);
+    for (&height, &highest) in heights.iter().zip(highest) {
+        let (own, last) = (bin(height), bin(highest));
+        counts[own] += 1;
+        layers[own + 1] += 1;
+        layers[last + 1] -= 1;
+    }
+    let (mut below, mut crossing) = (0, 0);
+    let mut best: Option<Plane> = None;
+    for at in 0..BINS {
+        crossing += layers[at];
+        let share = below as f32 / heights.len() as f32;
+        let balance = share.min(1.0 - share);
+        // A lopsided cut is taken only where there is no other.
+        let penalty = if balance < BALANCE { 1e6 * (1.0 - balance) } else { 1.0 + 0.5 - balance };
+        let cost = (1 + crossing) as f32 * penalty;
+        if balance >= LEAST_BALANCE && best.as_ref().is_none_or(|best| cost < best.cost) {
+            best = Some(Plane { direction, height: lowest + at as f32 * step, cost });
+        }
+        below += counts[at];
+    }
+    best
 }

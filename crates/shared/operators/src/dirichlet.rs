@@ -2,11 +2,8 @@
 
 use crate::factor::{Factor, FactorError};
 use crate::ordering::Ordering;
-use rayon::prelude::*;
+use crate::responses::{Reached, Sparse};
 use sprs::CsMat;
-
-/// Columns that are solved together; a fixed number, so that results do not depend on the threads.
-const BLOCK: usize = 8;
 
 /// A quadratic energy `½ uᵀ K u` to be minimised with u prescribed at the *handles* and zero at the *held* vertices.
 /// Factored once, solved often.
@@ -15,7 +12,7 @@ pub struct Dirichlet {
     handles: Vec<u32>,
     factor: Factor,
     /// Per handle the entries of its column of K in the free rows: (place in the factor's order, value).
-    couplings: Vec<Vec<(u32, f64)>>,
+    couplings: Vec<Sparse>,
     /// K among the handles, n × n.
     among_handles: Vec<Vec<f64>>,
 }
@@ -54,7 +51,7 @@ impl Dirichlet {
             let row = matrix.indptr().outer_inds_sz(handle as usize);
             matrix.indices()[row.clone()].iter().copied().zip(matrix.data()[row].iter().copied())
         };
-        let coupling = |&handle: &u32| -> Vec<(u32, f64)> {
+        let coupling = |&handle: &u32| -> Sparse {
             let in_free = entries(handle).filter(|&(vertex, _)| free[vertex]);
             in_free.map(|(vertex, value)| (places[vertex], value)).collect()
         };
@@ -102,78 +99,34 @@ impl Dirichlet {
         prescribed.iter().zip(columns.chunks_exact(rows)).map(spread).collect()
     }
 
-    /// Solves for every handle alone: n columns, in blocks, on all threads. `keep` says whether the responses themselves
-    /// are wanted or only their Schur complement.
+    /// Solves for every handle alone: n columns together, on all threads. `keep` says whether the responses themselves
+    /// are wanted or only their Schur complement, which costs next to nothing.
     #[must_use]
     pub fn responses(&self, keep: bool) -> Responses {
-        let count = self.handles.len();
-        let starts: Vec<usize> = (0..count).step_by(BLOCK).collect();
-        let solve_block = |&start: &usize| {
-            let block = start..(start + BLOCK).min(count);
-            let columns = self.response_columns(block.clone());
-            let schur: Vec<Vec<f64>> = columns
-                .chunks_exact(self.factor.order().len())
-                .zip(block)
-                .map(|(column, handle)| self.schur_row(handle, column))
-                .collect();
-            let kept: Vec<f32> = if keep { columns.iter().map(|&x| x as f32).collect() } else { Vec::new() };
-            (kept, schur)
-        };
-        // A few blocks at a time: the f64 columns of all of them would not fit.
-        let mut values = vec![0f32; if keep { self.vertex_count * count } else { 0 }];
-        let mut schur = Vec::with_capacity(count);
-        for group in starts.chunks(rayon::current_num_threads()) {
-            let blocks: Vec<_> = group.par_iter().map(solve_block).collect();
-            for (&start, (kept, rows)) in group.iter().zip(blocks) {
-                self.scatter(&kept, start, rows.len(), &mut values);
-                schur.extend(rows);
-            }
-        }
-        if keep {
-            for (column, &handle) in self.handles.iter().enumerate() {
-                values[handle as usize * count + column] = 1.0;
-            }
-        }
+        let reached = Reached::forward(&self.factor, &self.couplings);
+        let taken = reached.gram();
+        let left = |(row, taken): (&Vec<f64>, &Vec<f64>)| row.iter().zip(taken).map(|(k, z)| k - z).collect();
+        let schur: Vec<Vec<f64>> = self.among_handles.iter().zip(&taken).map(left).collect();
+        let values = if keep { self.response_rows(&reached) } else { Vec::new() };
         Responses { values, schur: symmetric(schur) }
     }
 
-    fn response_columns(&self, handles: std::ops::Range<usize>) -> Vec<f64> {
-        let rows = self.factor.order().len();
-        let count = handles.len();
-        let mut columns = vec![0.0; rows * count];
-        for (handle, column) in handles.zip(columns.chunks_exact_mut(rows)) {
-            self.couplings[handle].iter().for_each(|&(row, entry)| column[row as usize] = -entry);
-        }
-        self.factor.solve_in_place(&mut columns, count);
-        columns
-    }
-
-    fn schur_row(&self, handle: usize, response: &[f64]) -> Vec<f64> {
-        let reaction = |coupling: &Vec<(u32, f64)>| -> f64 {
-            coupling.iter().map(|&(row, entry)| entry * response[row as usize]).sum()
-        };
-        self.couplings
-            .iter()
-            .zip(&self.among_handles[handle])
-            .map(|(coupling, k)| k + reaction(coupling))
-            .collect()
-    }
-
-    /// Writes a block of response columns into their places in the row-major array.
-    fn scatter(&self, kept: &[f32], start: usize, block: usize, values: &mut [f32]) {
-        let rows = self.factor.order().len();
+    /// #V × n responses, those of the free vertices solved for.
+    fn response_rows(&self, reached: &Reached) -> Vec<f32> {
         let count = self.handles.len();
-        if kept.is_empty() {
-            return;
+        let mut values = vec![0f32; self.vertex_count * count];
+        for (column, &handle) in self.handles.iter().enumerate() {
+            values[handle as usize * count + column] = 1.0;
         }
-        for (row, &vertex) in self.factor.order().iter().enumerate() {
-            let out = &mut values[vertex as usize * count + start..][..block];
-            out.iter_mut().enumerate().for_each(|(column, out)| *out = kept[column * rows + row]);
-        }
+        let mut rows: Vec<&mut [f32]> = values.chunks_exact_mut(count.max(1)).collect();
+        let row_of = |&vertex: &u32| std::mem::take(&mut rows[vertex as usize]);
+        let mut ordered: Vec<&mut [f32]> = self.factor.order().iter().map(row_of).collect();
+        reached.backward(&mut ordered);
+        values
     }
 }
 
-/// The symmetric part; the solves leave rounding errors that differ across the diagonal.
+/// The symmetric part; rounding errors may differ across the diagonal.
 fn symmetric(matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let mean = |row: usize, column: usize| 0.5 * (matrix[row][column] + matrix[column][row]);
     (0..matrix.len()).map(|row| (0..matrix.len()).map(|column| mean(row, column)).collect()).collect()

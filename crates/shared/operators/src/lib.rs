@@ -8,7 +8,19 @@
 //! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
 //! - [`openings()`]: which boundary loops are openings of the surface; [`distance_to_loops`].
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
+//! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, and substitution.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
+//!
+//! # How the solve is built
+//! An order (`ordering`, `bisection`, `matching`) is analysed (`elimination_tree`, `fronts`, `symbolic`): columns join into dense
+//! *fronts*, which form a `tree`. Everything after is a `walk` over that tree, subtrees being tasks: up it for the
+//! factorisation (`elimination`, `dense`) and forward substitution, down it for backward substitution (`substitution`) and for
+//! the responses to many handles at once (`responses`). How the tree is cut depends on the work alone, so results are the
+//! same bytes for any number of threads.
+//!
+//! At 725 000 vertices with 20 entries a row (one thread, two virtual Zen 5 cores shared with other work): ordering 0.9 s,
+//! analysis and factorisation 2.4 s, three columns 0.21 s, ninety responses 0.6 s; CHOLMOD with METIS takes 6.7, 4.9, 0.24 and
+//! 2.6 s. The factor has 1.06 times the entries that METIS' order gives.
 //!
 //! ```
 //! use nalgebra::Point3;
@@ -24,11 +36,22 @@
 
 mod assembly;
 mod bisection;
+mod dense;
 mod dirichlet;
+mod elimination;
+mod elimination_tree;
 mod factor;
+mod fronts;
+mod matching;
 mod openings;
 mod ordering;
+mod prefetch;
+mod responses;
+mod substitution;
+mod symbolic;
+mod tree;
 mod variation;
+mod walk;
 
 pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass, weighted_cotan_stiffness};
 pub use dirichlet::{Dirichlet, Responses};

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use nalgebra::{DMatrix, DVector, Point3};
-use operators::{CsMat, Dirichlet, FactorError, Ordering, bilaplacian, cotan_stiffness, lumped_mass};
+use operators::{CsMat, Dirichlet, Factor, FactorError, Ordering, bilaplacian, cotan_stiffness, lumped_mass};
 use proptest::prelude::*;
 use testkit::shapes;
 
@@ -137,5 +137,173 @@ fn a_saved_order_must_list_every_vertex_once() {
     assert!(Ordering::from_saved(vec![2, 0, 1], 3).is_ok());
     for wrong in [vec![0, 1], vec![0, 1, 1], vec![0, 1, 3], vec![0, 1, 2, 2]] {
         assert!(Ordering::from_saved(wrong, 3).is_err());
+    }
+}
+
+/// Graph Laplacian plus identity: positive definite on any graph.
+fn graph_matrix(count: usize, edges: &[(usize, usize)]) -> CsMat<f64> {
+    let mut entries = sprs::TriMat::new((count, count));
+    (0..count).for_each(|i| entries.add_triplet(i, i, 1.0));
+    for &(a, b) in edges.iter().filter(|(a, b)| a != b) {
+        entries.add_triplet(a, b, -1.0);
+        entries.add_triplet(b, a, -1.0);
+        entries.add_triplet(a, a, 1.0);
+        entries.add_triplet(b, b, 1.0);
+    }
+    entries.to_csr()
+}
+
+/// Largest entry of `A x − b` for the x that the factor gives for a b of many values.
+fn residual(matrix: &CsMat<f64>, factor: &Factor) -> f64 {
+    let side: Vec<f64> = (0..matrix.rows()).map(|i| ((i * 37) % 101) as f64 - 50.0).collect();
+    let mut column: Vec<f64> = factor.order().iter().map(|&vertex| side[vertex as usize]).collect();
+    factor.solve_in_place(&mut column, 1);
+    let mut solution = vec![0.0; side.len()];
+    factor.order().iter().zip(column).for_each(|(&vertex, value)| solution[vertex as usize] = value);
+    let row = |(row, b): (sprs::CsVecView<f64>, &f64)| {
+        (row.iter().map(|(column, value)| value * solution[column]).sum::<f64>() - b).abs()
+    };
+    matrix.outer_iterator().zip(&side).map(row).fold(0.0, f64::max)
+}
+
+/// A name, a number of vertices, and edges.
+type Graph = (&'static str, usize, Vec<(usize, usize)>);
+
+/// Graphs that break naive orderings.
+fn awkward_graphs() -> Vec<Graph> {
+    let grid = |side: usize| -> Vec<(usize, usize)> {
+        let across = (0..side * side).filter(|i| i % side + 1 < side).map(|i| (i, i + 1));
+        across.chain((0..side * (side - 1)).map(|i| (i, i + side))).collect()
+    };
+    let comb =
+        (0..400).flat_map(|i| [(i * 5, (i * 5 + 5) % 2000), (i * 5, i * 5 + 1), (i * 5 + 1, i * 5 + 2)]);
+    vec![
+        ("path", 3000, (1..3000).map(|i| (i - 1, i)).collect()),
+        ("star", 3000, (1..3000).map(|i| (0, i)).collect()),
+        ("two stars", 3000, (2..3000).map(|i| (i % 2, i)).chain([(0, 1)]).collect()),
+        ("clique", 90, (0..90).flat_map(|i| (0..i).map(move |j| (j, i))).collect()),
+        ("cliques", 600, (0..600).flat_map(|i| (i / 20 * 20..i).map(move |j| (j, i))).collect()),
+        ("nothing", 500, Vec::new()),
+        ("grid", 3600, grid(60)),
+        ("comb", 2000, comb.collect()),
+        ("binary tree", 2047, (1..2047).map(|i| ((i - 1) / 2, i)).collect()),
+    ]
+}
+
+/// Without coordinates, or with useless ones, every graph is ordered, with no more fill than row after row, and solved.
+#[test]
+fn awkward_graphs_are_ordered_and_solved() {
+    for (name, count, edges) in awkward_graphs() {
+        let matrix = graph_matrix(count, &edges);
+        let along = |i: usize| Point3::new(i as f64, 2.0 * i as f64, 0.0);
+        let orders = [
+            Ordering::of_graph(&matrix),
+            Ordering::nested_dissection(&matrix, &vec![Point3::new(1.0, 2.0, 3.0); count]),
+            Ordering::nested_dissection(&matrix, &(0..count).map(along).collect::<Vec<_>>()),
+        ];
+        let natural = Factor::new(&matrix, &(0..count as u32).collect::<Vec<_>>()).unwrap();
+        for ordering in orders {
+            assert!(is_a_permutation(&ordering, count), "{name}");
+            let factor = Factor::new(&matrix, ordering.vertices()).unwrap();
+            let bound = natural.entry_count() + natural.entry_count() / 2;
+            assert!(
+                factor.entry_count() <= bound,
+                "{name}: {} {}",
+                factor.entry_count(),
+                natural.entry_count()
+            );
+            assert!(residual(&matrix, &factor) < 1e-9, "{name}");
+        }
+        assert!(residual(&matrix, &natural) < 1e-9, "{name}");
+    }
+}
+
+/// Coordinates that are no numbers are not gone by.
+#[test]
+fn coordinates_that_are_no_numbers_are_left_aside() {
+    let mesh = shapes::grid(20, 1.0);
+    let matrix = shell_matrix(&mesh);
+    for wrong in [f64::NAN, f64::INFINITY, 1e300] {
+        let mut points = mesh.positions.clone();
+        points[7].y = wrong;
+        assert_eq!(Ordering::nested_dissection(&matrix, &points), Ordering::of_graph(&matrix));
+    }
+}
+
+/// A long chain of fronts, each too heavy to be left to one thread with the rest.
+#[test]
+fn deep_trees_are_walked() {
+    const COUNT: usize = 12_000;
+    let edges: Vec<(usize, usize)> =
+        (0..COUNT).flat_map(|i| (i.saturating_sub(40)..i).map(move |j| (j, i))).collect();
+    let matrix = graph_matrix(COUNT, &edges);
+    let factor = Factor::new(&matrix, &(0..COUNT as u32).collect::<Vec<_>>()).unwrap();
+    assert!(residual(&matrix, &factor) < 1e-9);
+    let path: Vec<(usize, usize)> = (1..100_000).map(|i| (i - 1, i)).collect();
+    let matrix = graph_matrix(100_000, &path);
+    let factor = Factor::new(&matrix, &(0..100_000).collect::<Vec<_>>()).unwrap();
+    assert!(residual(&matrix, &factor) < 1e-9);
+}
+
+/// Same bytes for any number of threads: the order, the factor's solutions, the responses.
+#[test]
+fn threads_change_nothing() {
+    let mesh = shapes::bump_plane(150, 1.0, 20.0, 30.0);
+    let matrix = shell_matrix(&mesh);
+    let handles = [0, 150, 11_000, 22_650, 22_800, 5_000, 17_017];
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let ordering = Ordering::nested_dissection(&matrix, &mesh.positions);
+            let system = Dirichlet::factor(&matrix, &handles, &[3, 4], &ordering).unwrap();
+            let values: Vec<Vec<f64>> =
+                (0..3).map(|axis| (0..7).map(|i| f64::from(i * axis) - 2.5).collect()).collect();
+            let responses = system.responses(true);
+            (ordering, system.solve(&values), responses.values, responses.schur)
+        })
+    };
+    let one = solve(1);
+    assert!([2, 3, 5].into_iter().all(|threads| solve(threads) == one));
+}
+
+/// Any number of columns gives what each gives alone.
+#[test]
+fn columns_do_not_touch_each_other() {
+    let mesh = shapes::bump_plane(30, 2.0, 8.0, 9.0);
+    let matrix = shell_matrix(&mesh);
+    let ordering = Ordering::nested_dissection(&matrix, &mesh.positions);
+    let system = Dirichlet::factor(&matrix, &[0, 30, 500, 930], &[], &ordering).unwrap();
+    let column = |i: usize| -> Vec<f64> { (0..4).map(|j| ((i * 5 + j * 3) % 7) as f64 - 3.0).collect() };
+    let columns: Vec<Vec<f64>> = (0..19).map(column).collect();
+    let alone: Vec<Vec<f64>> =
+        columns.iter().flat_map(|one| system.solve(std::slice::from_ref(one))).collect();
+    for count in [2, 3, 4, 5, 8, 9, 19] {
+        assert_eq!(system.solve(&columns[..count]), alone[..count]);
+    }
+}
+
+/// A part that nothing holds is singular; rounding may leave its last pivot a little above zero, and it is refused all the
+/// same, by a vertex of that part.
+#[test]
+fn parts_that_nothing_holds_are_refused() {
+    let mesh = shapes::bump_plane(12, 2.0, 8.0, 9.0);
+    let (one, _) = cotan_stiffness(&mesh.positions, &mesh.triangles(), 1e4);
+    let part = one.rows();
+    let far = |p: &Point3<f64>| Point3::new(p.x + 500.0, p.y, p.z);
+    let points: Vec<Point3<f64>> =
+        mesh.positions.iter().copied().chain(mesh.positions.iter().map(far)).collect();
+    for stiffness in (1..20).map(|i| 0.37 * f64::from(i)) {
+        let mut entries = sprs::TriMat::new((2 * part, 2 * part));
+        for (&value, (row, column)) in &one {
+            entries.add_triplet(row, column, value);
+            entries.add_triplet(row + part, column + part, value * stiffness);
+        }
+        let matrix: CsMat<f64> = entries.to_csr();
+        let ordering = Ordering::nested_dissection(&matrix, &points);
+        match Dirichlet::factor(&matrix, &[0, 12], &[], &ordering).err() {
+            Some(FactorError::NotPositive { vertex }) => assert!(vertex as usize >= part, "{vertex}"),
+            other => panic!("{stiffness}: {other:?}"),
+        }
+        assert!(Dirichlet::factor(&matrix, &[0, 12, part as u32 + 5], &[], &ordering).is_ok());
     }
 }

@@ -34,6 +34,7 @@ mod error;
 mod leave_one_out;
 mod openings;
 mod params;
+mod product;
 mod prolongation;
 mod proxy;
 mod reference;

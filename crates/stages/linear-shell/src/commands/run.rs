@@ -114,6 +114,7 @@ fn animate(
         run.say(&format!("{done} frames are there already"));
     }
     let mut frames = take.frames()?;
+    let mut deformed = Vec::new();
     let mut progress = run.progress("frames", Some(take.frames.len() as u64));
     loop {
         let batch: Vec<HandleFrame> = frames.by_ref().take(BATCH).collect::<artifact::Result<_>>()?;
@@ -127,7 +128,7 @@ fn animate(
         let there = done.min(batch.len());
         done -= there;
         if there < batch.len() {
-            write_batch(run, &rest, &batch[there..], &completed[there..], solver, output)?;
+            write_batch(run, &rest, &batch[there..], &completed[there..], solver, output, &mut deformed)?;
         }
         batch.iter().for_each(|_| progress.step());
     }
@@ -140,6 +141,7 @@ fn write_batch(
     completed: &[Vec<Vector3<f64>>],
     solver: &Solver,
     output: &mut Output,
+    deformed: &mut Vec<Vec<f32>>,
 ) -> anyhow::Result<()> {
     if output.wants_fields() {
         let fields = run.timed("frames", || solver.fields(completed));
@@ -147,8 +149,8 @@ fn write_batch(
         return Ok(pairs.try_for_each(|(frame, field)| output.write_field(frame.frame, field))?);
     }
     let scale = 1.0 / output.unit().in_mm();
-    let deformed = run.timed("frames", || solver.deform(rest, completed, scale));
-    let mut pairs = batch.iter().zip(&deformed);
+    run.timed("frames", || solver.deform(rest, completed, scale, deformed));
+    let mut pairs = batch.iter().zip(&*deformed);
     Ok(run.timed("write", || {
         pairs.try_for_each(|(frame, coordinates)| output.write(frame.frame, coordinates))
     })?)

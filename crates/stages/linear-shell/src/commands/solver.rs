@@ -182,12 +182,19 @@ impl Solver {
         }
     }
 
-    /// Deformed coordinates of a batch of frames, `scale · (rest + d)`.
-    pub(crate) fn deform(&self, rest: &[f32], frames: &[Vec<Vector3<f64>>], scale: f64) -> Vec<Vec<f32>> {
+    /// Deformed coordinates of a batch of frames, `scale · (rest + d)`, into arrays that may have been used before.
+    pub(crate) fn deform(
+        &self,
+        rest: &[f32],
+        frames: &[Vec<Vector3<f64>>],
+        scale: f64,
+        out: &mut Vec<Vec<f32>>,
+    ) {
         match &self.method {
-            Method::Basis(basis) => basis.deform(rest, frames, scale),
+            Method::Basis(basis) => basis.deform_into(rest, frames, scale, out),
             Method::Direct(shell) => {
-                frames.iter().map(|handles| place(rest, &flat(&shell.solve(handles)), scale)).collect()
+                let placed = |handles: &Vec<Vector3<f64>>| place(rest, &flat(&shell.solve(handles)), scale);
+                *out = frames.iter().map(placed).collect();
             }
         }
     }
