@@ -105,8 +105,9 @@ fn exact_dot(products: impl Iterator<Item = (f64, f64)>) -> f64 {
     sum + lost
 }
 
-/// Largest deviation of the factor's solution from a field, its right-hand side being the matrix times the field.
-fn accuracy_mm(problem: &Problem, factor: &Factor) -> f64 {
+/// Largest deviations of the factor's solution from a field, plain and refined, its right-hand side being the matrix times the
+/// field.
+fn accuracy_mm(problem: &Problem, factor: &Factor, clock: &mut Clock) -> [f64; 2] {
     let truth = manufactured(&problem.points);
     let mut free = vec![false; truth.len()];
     factor.order().iter().for_each(|&vertex| free[vertex as usize] = true);
@@ -116,10 +117,16 @@ fn accuracy_mm(problem: &Problem, factor: &Factor) -> f64 {
             row.iter().filter(|&(column, _)| free[column]).map(|(column, &value)| (value, truth[column])),
         )
     };
-    let mut solution: Vec<f64> = factor.order().iter().map(row).collect();
+    let right: Vec<f64> = factor.order().iter().map(row).collect();
+    let mut solution = right.clone();
+    let error = |solution: &[f64]| {
+        let error = |(&vertex, &value): (&u32, &f64)| (value - truth[vertex as usize]).abs();
+        factor.order().iter().zip(solution).map(error).fold(0.0, f64::max)
+    };
     factor.solve_in_place(&mut solution, 1);
-    let error = |(&vertex, &value): (&u32, &f64)| (value - truth[vertex as usize]).abs();
-    factor.order().iter().zip(&solution).map(error).fold(0.0, f64::max)
+    let plain = error(&solution);
+    clock.time("refine", || factor.refine_in_place(&problem.matrix, &right, &mut solution, 1));
+    [plain, error(&solution)]
 }
 
 fn run(problem: &Problem, order: Option<&str>, repeats: usize) -> String {
@@ -145,10 +152,10 @@ fn run(problem: &Problem, order: Option<&str>, repeats: usize) -> String {
     }
     clock.time("frame", || system.solve(&columns));
     clock.time("basis", || system.responses(true));
-    let accuracy = accuracy_mm(problem, factor);
+    let [accuracy, refined] = accuracy_mm(problem, factor, &mut clock);
     format!(
         "{{\"vertices\":{},\"entries\":{},\"stored\":{},\"before_mib\":{before_mib:.1},\"factor_mib\":{factor_mib:.1},\
-         \"accuracy_mm\":{accuracy:e},\"seconds\":{}}}",
+         \"accuracy_mm\":{accuracy:e},\"refined_mm\":{refined:e},\"seconds\":{}}}",
         problem.points.len(),
         factor.entry_count(),
         factor.stored_count(),

@@ -81,6 +81,27 @@ impl Dirichlet {
     /// If a column does not have one value per handle.
     #[must_use]
     pub fn solve(&self, prescribed: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut columns = self.right_hand_sides(prescribed);
+        self.factor.solve_in_place(&mut columns, prescribed.len());
+        self.spread(prescribed, &columns)
+    }
+
+    /// The same with a step of refinement, at about twice the price: where needles of triangles cost a plain solve digits.
+    /// `matrix`: the one that was factored.
+    ///
+    /// # Panics
+    /// If a column does not have one value per handle.
+    #[must_use]
+    pub fn solve_refined(&self, matrix: &CsMat<f64>, prescribed: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let right = self.right_hand_sides(prescribed);
+        let mut columns = right.clone();
+        self.factor.solve_in_place(&mut columns, prescribed.len());
+        self.factor.refine_in_place(matrix, &right, &mut columns, prescribed.len());
+        self.spread(prescribed, &columns)
+    }
+
+    /// `−K_fh u_h`, column after column, in the factor's order.
+    fn right_hand_sides(&self, prescribed: &[Vec<f64>]) -> Vec<f64> {
         let rows = self.factor.order().len();
         let mut columns = vec![0.0; rows * prescribed.len()];
         for (values, column) in prescribed.iter().zip(columns.chunks_exact_mut(rows)) {
@@ -89,7 +110,12 @@ impl Dirichlet {
                 coupling.iter().for_each(|&(row, entry)| column[row as usize] -= entry * value);
             }
         }
-        self.factor.solve_in_place(&mut columns, prescribed.len());
+        columns
+    }
+
+    /// Per column the values of all vertices.
+    fn spread(&self, prescribed: &[Vec<f64>], columns: &[f64]) -> Vec<Vec<f64>> {
+        let rows = self.factor.order().len();
         let spread = |(values, column): (&Vec<f64>, &[f64])| {
             let mut all = vec![0.0; self.vertex_count];
             self.factor.order().iter().zip(column).for_each(|(&vertex, &value)| all[vertex as usize] = value);

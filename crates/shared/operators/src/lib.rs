@@ -8,7 +8,7 @@
 //! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
 //! - [`openings()`]: which boundary loops are openings of the surface; [`distance_to_loops`].
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
-//! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, and substitution.
+//! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, substitution, and refinement of what it gives.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
 //!
 //! # How the solve is built
@@ -46,6 +46,7 @@ mod matching;
 mod openings;
 mod ordering;
 mod prefetch;
+mod refinement;
 mod responses;
 mod substitution;
 mod symbolic;

@@ -307,3 +307,58 @@ fn parts_that_nothing_holds_are_refused() {
         assert!(Dirichlet::factor(&matrix, &[0, 12, part as u32 + 5], &[], &ordering).is_ok());
     }
 }
+
+/// A grid with needles, its matrix on a lattice on which a field of whole numbers has an exact image.
+fn needles() -> (CsMat<f64>, Vec<f64>, Ordering) {
+    let mut mesh = shapes::grid(24, 1.0);
+    let triangles = mesh.triangles();
+    for [a, b, c] in triangles.iter().step_by(41).map(|triangle| triangle.map(|vertex| vertex as usize)) {
+        let middle = nalgebra::center(&mesh.positions[b], &mesh.positions[c]);
+        mesh.positions[a] = middle + (mesh.positions[a] - middle) * 1e-4;
+    }
+    let mut matrix = shell_matrix(&mesh);
+    matrix.data_mut().iter_mut().for_each(|value| *value = (*value * 1024.0).round() / 1024.0);
+    let field = (0..mesh.positions.len()).map(|vertex| f64::from(vertex as u32 * 7 % 16)).collect();
+    let ordering = Ordering::nested_dissection(&matrix, &mesh.positions);
+    (matrix, field, ordering)
+}
+
+/// Needles cost a plain substitution digits; a step of refinement brings them back, and mends a solution that was spoilt.
+#[test]
+fn refinement_brings_back_the_digits_that_needles_cost() {
+    let (matrix, truth, ordering) = needles();
+    let handles: Vec<u32> = (0..truth.len() as u32).step_by(13).collect();
+    let system = Dirichlet::factor(&matrix, &handles, &[], &ordering).unwrap();
+    let factor = system.free_factor();
+    let free = |vertex: usize| !handles.contains(&(vertex as u32));
+    let image = |&vertex: &u32| -> f64 {
+        let row = matrix.outer_view(vertex as usize).unwrap();
+        row.iter().filter(|(column, _)| free(*column)).map(|(column, value)| value * truth[column]).sum()
+    };
+    let right: Vec<f64> = factor.order().iter().map(image).collect();
+    let error = |solution: &[f64]| {
+        let off = |(&vertex, value): (&u32, &f64)| (value - truth[vertex as usize]).abs();
+        factor.order().iter().zip(solution).map(off).fold(0.0, f64::max)
+    };
+    let mut solution = right.clone();
+    factor.solve_in_place(&mut solution, 1);
+    let plain = error(&solution);
+    factor.refine_in_place(&matrix, &right, &mut solution, 1);
+    assert!(error(&solution) < 0.01 * plain, "{} after {plain}", error(&solution));
+    solution.iter_mut().step_by(3).for_each(|value| *value += 1e-3);
+    factor.refine_in_place(&matrix, &right, &mut solution, 1);
+    assert!(error(&solution) < 1e-8, "{}", error(&solution));
+}
+
+/// The refined minimum is the plain one where nothing needs refinement.
+#[test]
+fn refined_and_plain_minima_agree() {
+    let mesh = shapes::bump_plane(20, 2.0, 8.0, 9.0);
+    let matrix = shell_matrix(&mesh);
+    let ordering = Ordering::nested_dissection(&matrix, &mesh.positions);
+    let system = Dirichlet::factor(&matrix, &[0, 20, 225, 440], &[3, 7], &ordering).unwrap();
+    let columns = [vec![1.0, -2.0, 5.0, 0.5], vec![0.0, 3.0, 1.0, -1.0]];
+    let difference =
+        system.solve(&columns).concat().into_iter().zip(system.solve_refined(&matrix, &columns).concat());
+    assert!(difference.map(|(plain, refined)| (plain - refined).abs()).fold(0.0, f64::max) < 1e-9);
+}

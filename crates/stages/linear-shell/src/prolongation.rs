@@ -65,7 +65,7 @@ impl Prolongation {
     }
 
     /// Stored entries of the factor.
-    pub(crate) fn entry_count(&self) -> usize {
-        self.factor.entry_count()
+    pub(crate) fn stored_count(&self) -> usize {
+        self.factor.stored_count()
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::{Basis, Completion, Error, Surface};
 use nalgebra::Vector3;
-use operators::{Dirichlet, Ordering};
+use operators::{CsMat, Dirichlet, Ordering};
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// The vertices whose displacement is known.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -35,6 +36,7 @@ impl Constraints {
 /// A shell with its handles eliminated and factored: solve as often as there are frames.
 pub struct Shell {
     system: Dirichlet,
+    stiffness: Arc<CsMat<f64>>,
 }
 
 impl Shell {
@@ -45,10 +47,11 @@ impl Shell {
     pub fn factor(surface: &Surface, constraints: &Constraints, ordering: &Ordering) -> Result<Self, Error> {
         let still: Vec<u32> = constraints.held.iter().chain(&surface.still).copied().collect();
         let system = Dirichlet::factor(&surface.stiffness, &constraints.handles, &still, ordering)?;
-        Ok(Self { system })
+        Ok(Self { system, stiffness: Arc::clone(&surface.stiffness) })
     }
 
-    /// Displacement of every vertex, mm, from those of all handles, mm: three substitutions.
+    /// Displacement of every vertex, mm, from those of all handles, mm: three substitutions, and three more that
+    /// refine them, so that needles among the triangles cost no digits.
     ///
     /// # Panics
     /// If there is not one displacement per handle.
@@ -56,7 +59,7 @@ impl Shell {
     pub fn solve(&self, handles: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let columns: Vec<Vec<f64>> =
             (0..3).map(|axis| handles.iter().map(|displacement| displacement[axis]).collect()).collect();
-        let solved = self.system.solve(&columns);
+        let solved = self.system.solve_refined(&self.stiffness, &columns);
         let (x, y, z) = (&solved[0], &solved[1], &solved[2]);
         x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Vector3::new(x, y, z)).collect()
     }
@@ -79,6 +82,6 @@ impl Shell {
     /// Stored entries of the factor, padding included; 8 bytes each.
     #[must_use]
     pub fn factor_entry_count(&self) -> usize {
-        self.system.free_factor().entry_count()
+        self.system.free_factor().stored_count()
     }
 }

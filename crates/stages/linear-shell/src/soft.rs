@@ -103,7 +103,7 @@ impl SoftShell {
     /// Stored entries of the factors, padding included; 8 bytes each.
     #[must_use]
     pub fn factor_entry_count(&self) -> usize {
-        self.factor.entry_count() + self.prolongation.as_ref().map_or(0, Prolongation::entry_count)
+        self.factor.stored_count() + self.prolongation.as_ref().map_or(0, Prolongation::stored_count)
     }
 
     /// Vertices that are solved for at third order.

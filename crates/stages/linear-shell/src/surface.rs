@@ -6,6 +6,7 @@ use nalgebra::Point3;
 use operators::{CsMat, Ordering, Slivers, bilaplacian, cotan_stiffness, lumped_mass};
 use serde::Serialize;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// What a look over the mesh found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,7 +34,7 @@ pub struct Survey {
 /// A mesh that a shell can be solved on, with its operators.
 pub struct Surface {
     pub(crate) points: Vec<Point3<f64>>,
-    pub(crate) stiffness: CsMat<f64>,
+    pub(crate) stiffness: Arc<CsMat<f64>>,
     pub(crate) still: Vec<u32>,
     pub(crate) around: Connectivity,
     pub(crate) triangles: Vec<[u32; 3]>,
@@ -84,7 +85,7 @@ impl Surface {
         };
         Ok(Self {
             points: mesh.positions.clone(),
-            stiffness,
+            stiffness: Arc::new(stiffness),
             still,
             around,
             triangles,
