@@ -93,6 +93,7 @@ const CALLS: &[(&str, &[&str])] = &[
     ("calibrate", &["wand", STREAM, "--scale", "800", "--out", "out.json"]),
     ("calibrate", &["doctor", DOCUMENT, "--tracks", STREAM]),
     ("marker-track", &["label", "missing-input.csv", "--out", "out.json"]),
+    ("wrinkle-track", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj"]),
     // `house new-stage` adds here
 ];
 
