@@ -28,7 +28,7 @@ pub fn is_subsampled(picture: &Picture) -> Option<bool> {
         }
     }
     let is_noisy = pairs >= LEAST_PAIRS && luma / pairs as f64 >= LEAST_NOISE;
-    is_noisy.then(|| chroma < SUBSAMPLED * luma)
+    is_noisy.then_some(chroma < SUBSAMPLED * luma)
 }
 
 /// Brightness and the two differences of colour (Rec. ITU-R BT.601).

@@ -66,7 +66,7 @@ impl Default for TrackParams {
         Self {
             tidy_px: 1,
             least_area_px: 24,
-            gate_px: 16.0,
+            gate_px: 30.0,
             join_px: 14.0,
             hold: 3,
             most_weight: 20.0,

@@ -4,6 +4,7 @@ use crate::bits::{Bits, Patch};
 use crate::params::TrackParams;
 use crate::region::Region;
 use crate::spline::Place;
+use std::collections::BTreeMap;
 
 /// A place on a wrinkle's paint, with the wrinkle's name.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,27 +55,41 @@ pub fn marked_wrinkles(
     params: &TrackParams,
 ) -> Marked {
     let mut marked = Marked::default();
-    let mut placed = vec![false; names.len()];
-    for (index, paint) in paints.iter().enumerate() {
-        let number = index as u8 + 1;
-        let bits = Bits::of(size[0], size[1], |pixel| labels[pixel] == number);
-        let patches = bits.patches(SPECK_PX);
+    let patches: Vec<Vec<Patch>> = (1..=paints.len() as u8)
+        .map(|number| Bits::of(size[0], size[1], |pixel| labels[pixel] == number).patches(SPECK_PX))
+        .collect();
+    let lie_on = names.iter().map(|name| patch_of(&patches, name.at)).collect::<Vec<_>>();
+    for (index, (paint, patches)) in paints.iter().zip(&patches).enumerate() {
         let groups = match names.is_empty() {
-            true => joined(&patches, params.join_px)
+            true => joined(patches, params.join_px)
                 .into_iter()
                 .enumerate()
                 .map(|(i, pixels)| (format!("{prefix}{paint}_{}", i + 1), pixels))
                 .collect(),
-            false => named(&patches, names, &mut placed, params.join_px, &mut marked.unnamed),
+            false => {
+                let on: Vec<Vec<usize>> = (0..patches.len())
+                    .map(|patch| (0..names.len()).filter(|i| lie_on[*i] == Some([index, patch])).collect())
+                    .collect();
+                named(patches, &on, names, params.join_px, &mut marked.unnamed)
+            }
         };
         for (id, pixels) in groups {
-            marked.wrinkles.push(MarkedWrinkle { id, paint: number, region: Region::new(pixels) });
+            marked.wrinkles.push(MarkedWrinkle { id, paint: index as u8 + 1, region: Region::new(pixels) });
         }
     }
-    marked.misplaced =
-        names.iter().zip(&placed).filter(|(_, placed)| !**placed).map(|(name, _)| name.clone()).collect();
+    let misplaced = names.iter().zip(&lie_on).filter(|(_, patch)| patch.is_none());
+    marked.misplaced = misplaced.map(|(name, _)| name.clone()).collect();
     marked.wrinkles.sort_by(|a, b| a.id.cmp(&b.id));
     marked
+}
+
+/// The patch that a place lies on, or nearest to within reach of a shaking hand: its paint's index, its own.
+fn patch_of(patches: &[Vec<Patch>], at: Place) -> Option<[usize; 2]> {
+    let all = patches.iter().enumerate();
+    let all = all.flat_map(|(paint, patches)| (0..patches.len()).map(move |patch| [paint, patch]));
+    let distances = all.map(|place| (distance(&patches[place[0]][place[1]], at), place));
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (nearest.0 <= BESIDE_PX).then_some(nearest.1)
 }
 
 /// Pixels of patches that lie near each other, directly or by others.
@@ -107,33 +122,28 @@ fn gap(one: &Patch, other: &Patch) -> f64 {
     least
 }
 
-/// Patches by the names that lie on them, then pieces by the nearest named patch.
+/// Patches by the names that lie on them (`on`, per patch), then pieces by the nearest named patch.
 fn named(
     patches: &[Patch],
+    on: &[Vec<usize>],
     names: &[NamedPlace],
-    placed: &mut [bool],
     join_px: f64,
     unnamed: &mut Vec<Place>,
 ) -> Vec<(String, Vec<[usize; 2]>)> {
-    let on: Vec<Vec<usize>> = patches
-        .iter()
-        .map(|patch| (0..names.len()).filter(|name| lies_on(patch, names[*name].at)).collect())
-        .collect();
-    let mut groups: std::collections::BTreeMap<&str, Vec<[usize; 2]>> = Default::default();
-    for (patch, here) in patches.iter().zip(&on) {
-        here.iter().for_each(|name| placed[*name] = true);
-        if here.is_empty() {
-            let near = patches.iter().zip(&on).filter(|(_, on)| !on.is_empty());
-            let nearest = near
-                .map(|(other, on)| (gap(patch, other), on))
-                .filter(|(gap, _)| *gap <= join_px)
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            match nearest {
-                Some((_, on)) => share_out(patch, on, names, &mut groups),
-                None => unnamed.push(Region::new(patch.pixels().collect()).center()),
-            }
-        } else {
+    let mut groups = BTreeMap::new();
+    for (patch, here) in patches.iter().zip(on) {
+        if !here.is_empty() {
             share_out(patch, here, names, &mut groups);
+            continue;
+        }
+        let near = patches.iter().zip(on).filter(|(_, on)| !on.is_empty());
+        let nearest = near
+            .map(|(other, on)| (gap(patch, other), on))
+            .filter(|(gap, _)| *gap <= join_px)
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match nearest {
+            Some((_, on)) => share_out(patch, on, names, &mut groups),
+            None => unnamed.push(Region::new(patch.pixels().collect()).center()),
         }
     }
     groups.into_iter().map(|(id, pixels)| (id.to_string(), pixels)).collect()
@@ -144,7 +154,7 @@ fn share_out<'a>(
     patch: &Patch,
     candidates: &[usize],
     names: &'a [NamedPlace],
-    groups: &mut std::collections::BTreeMap<&'a str, Vec<[usize; 2]>>,
+    groups: &mut BTreeMap<&'a str, Vec<[usize; 2]>>,
 ) {
     for pixel in patch.pixels() {
         let place = Place::new(pixel[0] as f64, pixel[1] as f64);
@@ -158,10 +168,16 @@ fn share_out<'a>(
     }
 }
 
+/// How far beside a patch a place lies, px.
+fn distance(patch: &Patch, at: Place) -> f64 {
+    let to_run = |run: &crate::bits::Run| {
+        let across = (run.from as f64 - at.x).max(at.x - run.to as f64).max(0.0);
+        across.hypot(run.row as f64 - at.y)
+    };
+    patch.runs.iter().map(to_run).fold(f64::INFINITY, f64::min)
+}
+
 /// Whether a place lies on a patch, or as near beside it as hands shake.
 pub(crate) fn lies_on(patch: &Patch, at: Place) -> bool {
-    patch.runs.iter().any(|run| {
-        let across = (run.from as f64 - at.x).max(at.x - run.to as f64).max(0.0);
-        across.hypot(run.row as f64 - at.y) <= BESIDE_PX
-    })
+    distance(patch, at) <= BESIDE_PX
 }

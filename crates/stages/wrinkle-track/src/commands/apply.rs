@@ -5,9 +5,9 @@ use anyhow::bail;
 use artifact::picture::write_rgb8;
 use artifact::{FrameRange, PaintModel};
 use rayon::prelude::*;
-use stage::{ImageSource, Run};
+use stage::{CameraImages, Footage, ImageSource, Run};
 use std::path::{Path, PathBuf};
-use wrinkle_track::{Classifier, TrackParams, tidied};
+use wrinkle_track::{Classified, Classifier, TrackParams, tidied};
 
 /// Tells which pixels of each image are which paint, and writes masks
 #[derive(clap::Args)]
@@ -43,42 +43,22 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.input("model", &arguments.model)?;
     let footage = arguments.source.open(run)?;
     artifact::require_new_folder(&arguments.out)?;
-    let ids: Vec<String> = match arguments.camera.is_empty() {
-        true => footage.ids().into_iter().cloned().collect(),
-        false => arguments.camera.clone(),
-    };
-    let range = arguments.range.unwrap_or(FrameRange::ALL);
-    let numbers = footage.numbers();
-    let mut jobs = Vec::new();
-    for id in &ids {
-        let images = footage.camera(id)?;
-        let wanted: Vec<(i64, PathBuf)> = numbers
-            .iter()
-            .zip(&images.paths)
-            .filter(|(number, _)| range.contains(**number))
-            .filter_map(|(number, path)| Some((*number, path.clone()?)))
-            .collect();
-        jobs.push((id, images, wanted));
-    }
-    let count: usize = jobs.iter().map(|(_, _, wanted)| wanted.len()).sum();
-    if count == 0 {
-        bail!("{}: has no image of the frames {range}", footage.path().display());
-    }
+    let jobs = jobs(&footage, arguments)?;
+    let count = jobs.iter().map(|job| job.wanted.len()).sum::<usize>();
     let mut progress = run.progress("classifying", Some(count as u64));
     let (mut painted, mut outputs) = (0usize, Vec::with_capacity(count));
-    for (id, images, wanted) in &jobs {
+    for job in &jobs {
         let mut classifier = Classifier::new(&model)?;
-        // Images of a few frames are in memory at a time.
-        for block in wanted.chunks(BLOCK) {
+        for block in job.wanted.chunks(BLOCK) {
             let shots: Vec<Shot> = run.timed("decode", || {
-                block.par_iter().map(|(_, path)| Shot::read(images, path)).collect::<anyhow::Result<_>>()
+                block.par_iter().map(|(_, path)| Shot::read(&job.images, path)).collect::<anyhow::Result<_>>()
             })?;
-            let masks: Vec<Mask> = run.timed("classify", || {
-                shots.iter().map(|shot| Mask::of(&mut classifier, shot, &model, arguments)).collect()
-            });
+            let classified: Vec<Classified> = run
+                .timed("classify", || shots.iter().map(|shot| classifier.classify(&shot.picture)).collect());
+            let tidy = |classified| Mask::of(classified, &model, arguments);
+            let masks: Vec<Mask> = run.timed("tidy", || classified.iter().map(tidy).collect());
             let write = |((frame, _), mask): (&(i64, PathBuf), &Mask)| {
-                let path = arguments.out.join(id).join(format!("{frame:06}.png"));
-                mask.write(&path)
+                mask.write(&arguments.out.join(&job.id).join(format!("{frame:06}.png")))
             };
             outputs.extend(block.par_iter().zip(&masks).map(write).collect::<artifact::Result<Vec<_>>>()?);
             painted += masks.iter().map(|mask| mask.painted).sum::<usize>();
@@ -91,6 +71,34 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     outputs.into_iter().try_for_each(|output| Ok(output.publish()?))
 }
 
+/// The images of a camera that are asked for.
+struct Job {
+    id: String,
+    images: CameraImages,
+    wanted: Vec<(i64, PathBuf)>,
+}
+
+fn jobs(footage: &Footage, arguments: &Arguments) -> anyhow::Result<Vec<Job>> {
+    let ids: Vec<String> = match arguments.camera.is_empty() {
+        true => footage.ids().into_iter().cloned().collect(),
+        false => arguments.camera.clone(),
+    };
+    let range = arguments.range.unwrap_or(FrameRange::ALL);
+    let mut jobs = Vec::new();
+    for id in ids {
+        let images = footage.camera(&id)?;
+        let numbered = footage.numbers().into_iter().zip(&images.paths);
+        let wanted = numbered.filter(|(number, _)| range.contains(*number));
+        let wanted = wanted.filter_map(|(number, path)| Some((number, path.clone()?))).collect();
+        jobs.push(Job { id, images, wanted });
+    }
+    if jobs.iter().all(|job| job.wanted.is_empty()) {
+        bail!("{}: has no image of the frames {range}", footage.path().display());
+    }
+    Ok(jobs)
+}
+
+/// Images in memory at a time.
 const BLOCK: usize = 8;
 
 /// A mask in colours.
@@ -101,8 +109,7 @@ struct Mask {
 }
 
 impl Mask {
-    fn of(classifier: &mut Classifier, shot: &Shot, model: &PaintModel, arguments: &Arguments) -> Self {
-        let classified = classifier.classify(&shot.picture);
+    fn of(classified: &Classified, model: &PaintModel, arguments: &Arguments) -> Self {
         let size = [classified.width, classified.height];
         let mut rgb = vec![0; 3 * size[0] * size[1]];
         let mut painted = 0;

@@ -71,13 +71,13 @@ impl MaskSource {
         path: PathBuf,
     ) -> anyhow::Result<MaskedShot> {
         let mask = read_marked(&path)?;
-        run.input("mask", &path)?;
+        run.input(&format!("mask {camera}"), &path)?;
         let Some((index, image)) = first_image(&footage.numbers(), &images, self.mask_frame) else {
             let frame = self.mask_frame.map_or("any frame".to_string(), |frame| format!("frame {frame}"));
             bail!("{}, camera {camera}: has no image of {frame}", footage.path().display());
         };
         let shot = Shot::read(&images, image)?;
-        run.input("image", image)?;
+        run.input(&format!("image {camera}"), image)?;
         let (mask_size, size) = ([mask.width, mask.height], [shot.picture.width, shot.picture.height]);
         if mask_size != size {
             return Err(Error::MaskSize { mask: mask_size, image: size })

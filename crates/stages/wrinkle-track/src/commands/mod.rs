@@ -5,6 +5,7 @@ mod masks;
 mod names;
 mod shots;
 mod show;
+mod start;
 mod track;
 mod train;
 

@@ -1,21 +1,18 @@
 //! `wrinkle-track track`.
 
-use super::masks::{MaskSource, MaskedShot};
-use super::names::{Name, read_names};
+use super::masks::MaskSource;
+use super::names::read_names;
 use super::shots::Shot;
-use anyhow::bail;
+use super::start::{Camera, Start};
 use artifact::{
-    Curve2d, CurveState, FrameWriter, PaintModel, PerCamera, Wrinkle, Wrinkles2d, Wrinkles2dFrame,
-    Wrinkles2dHeader,
+    Curve2d, CurveState, FrameWriter, PaintModel, PerCamera, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader,
 };
 use rayon::prelude::*;
 use serde::Serialize;
-use stage::{CameraImages, Footage, ImageSource, Run, check_take};
-use std::collections::{BTreeMap, BTreeSet};
+use stage::{Footage, ImageSource, Run, check_take};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use wrinkle_track::{
-    Classifier, Follower, MarkedPaint, MarkedWrinkle, NamedPlace, TrackParams, marked_wrinkles,
-};
+use wrinkle_track::TrackParams;
 
 /// Follows marked wrinkles through all images, and writes their valley curves
 ///
@@ -91,22 +88,17 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let model: PaintModel = artifact::read_document(&arguments.model)?;
     run.input("model", &arguments.model)?;
     let footage = arguments.source.open(run)?;
-    let names = match &arguments.names {
-        Some(path) => {
-            let names = read_names(path)?;
-            run.input("names", path)?;
-            Some((path.as_path(), names))
-        }
+    let names = match arguments.names.as_deref() {
+        Some(path) => Some((path, read_names(path)?)),
         None => None,
     };
-    if let (Some(learnt), Some(take)) = (&model.take, &footage.take)
-        && learnt.session == take.session
-    {
-        check_same_take(run, &arguments.model, &model, &footage)?;
+    if let Some((path, _)) = &names {
+        run.input("names", path)?;
     }
+    check_same_take(run, &arguments.model, &model, &footage)?;
     let shots = arguments.masks.read(run, &footage)?;
-    let start =
-        Start { model: &model, footage: &footage, names: names.as_ref().map(|(p, n)| (*p, &n[..])), params };
+    let names = names.as_ref().map(|(path, names)| (*path, names.as_slice()));
+    let start = Start { model: &model, footage: &footage, names, params };
     let (mut cameras, wrinkles) = start.cameras(run, shots)?;
     run.check_outputs(&[&arguments.out])?;
     follow(run, &mut cameras, &footage.numbers())?;
@@ -123,186 +115,8 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
 /// The paint of one session serves all of its takes: only a changed manifest is worth a word.
 fn check_same_take(run: &mut Run, path: &Path, model: &PaintModel, footage: &Footage) -> anyhow::Result<()> {
     let (learnt, take) = (model.take.as_ref(), footage.take.as_ref());
-    if learnt.map(|learnt| &learnt.take) == take.map(|take| &take.take) {
-        check_take(run, path, learnt, take)?;
-    }
-    Ok(())
-}
-
-/// A camera at work.
-struct Camera {
-    id: String,
-    images: CameraImages,
-    follower: Follower,
-    classifier: Classifier,
-    /// Place of the marked frame.
-    first: usize,
-    /// Per frame wrinkles that appear in it.
-    named: BTreeMap<usize, Vec<(usize, NamedPlace)>>,
-    /// Per frame the curves of all wrinkles, if it has an image.
-    curves: Vec<Option<Vec<Option<Curve2d>>>>,
-    strays: usize,
-    clipped: f64,
-}
-
-/// What is known before the first image is followed.
-struct Start<'a> {
-    model: &'a PaintModel,
-    footage: &'a Footage,
-    names: Option<(&'a Path, &'a [Name])>,
-    params: TrackParams,
-}
-
-impl Start<'_> {
-    fn cameras(&self, run: &mut Run, shots: Vec<MaskedShot>) -> anyhow::Result<(Vec<Camera>, Vec<Wrinkle>)> {
-        self.check_names(&shots)?;
-        let mut marked = Vec::new();
-        for shot in &shots {
-            marked.push(self.marked(run, shot)?);
-        }
-        let mut paints: BTreeMap<String, Option<u8>> = BTreeMap::new();
-        for wrinkle in marked.iter().flatten() {
-            if let Some(Some(other)) = paints.insert(wrinkle.id.clone(), Some(wrinkle.paint))
-                && other != wrinkle.paint
-            {
-                let [one, other] = [other, wrinkle.paint].map(|paint| self.paint(paint));
-                bail!(
-                    "{}: the wrinkle {} lies on paint {one} and on paint {other}\n  to do: give two wrinkles two names",
-                    self.names.map_or(Path::new("masks"), |(path, _)| path).display(),
-                    wrinkle.id
-                );
-            }
-        }
-        for (_, name) in self.late(&shots) {
-            paints.entry(name.place.wrinkle.clone()).or_insert(None);
-        }
-        let ids: Vec<String> = paints.keys().cloned().collect();
-        let wrinkles = paints
-            .iter()
-            .map(|(id, paint)| Wrinkle { id: id.clone(), paint: paint.map(|paint| self.paint(paint)) })
-            .collect();
-        let numbers = self.footage.numbers();
-        let late: Vec<(String, usize, usize, NamedPlace)> = self
-            .late(&shots)
-            .filter_map(|(frame, name)| {
-                let place = numbers.iter().position(|number| *number == frame)?;
-                let index = ids.iter().position(|id| *id == name.place.wrinkle)?;
-                Some((name.camera.clone(), place, index, name.place.clone()))
-            })
-            .collect();
-        let mut cameras = Vec::new();
-        for (shot, marked) in shots.into_iter().zip(marked) {
-            let mut named: BTreeMap<usize, Vec<(usize, NamedPlace)>> = BTreeMap::new();
-            for (_, place, index, name) in late.iter().filter(|(camera, ..)| *camera == shot.camera) {
-                named.entry(*place).or_default().push((*index, name.clone()));
-            }
-            cameras.push(Camera {
-                follower: Follower::new(&ids, &marked, self.params),
-                classifier: Classifier::new(self.model)?,
-                first: shot.index,
-                named,
-                curves: vec![None; shot.images.paths.len()],
-                id: shot.camera,
-                images: shot.images,
-                strays: 0,
-                clipped: 0.0,
-            });
-        }
-        Ok((cameras, wrinkles))
-    }
-
-    fn paint(&self, number: u8) -> String {
-        self.model.paints.get(usize::from(number) - 1).map(|paint| paint.id.clone()).unwrap_or_default()
-    }
-
-    /// Names of other frames than the marked one, with their frames.
-    fn late(&self, shots: &[MaskedShot]) -> impl Iterator<Item = (i64, &Name)> {
-        let numbers = self.footage.numbers();
-        let marked: BTreeMap<String, i64> =
-            shots.iter().map(|shot| (shot.camera.clone(), numbers[shot.index])).collect();
-        let names = self.names.map(|(_, names)| names).unwrap_or_default();
-        names.iter().filter_map(move |name| {
-            let frame = name.frame?;
-            (marked.get(&name.camera) != Some(&frame)).then_some((frame, name))
-        })
-    }
-
-    /// The marked wrinkles of a camera.
-    fn marked(&self, run: &mut Run, shot: &MaskedShot) -> anyhow::Result<Vec<MarkedWrinkle>> {
-        let paints: Vec<MarkedPaint> = self
-            .model
-            .paints
-            .iter()
-            .map(|paint| MarkedPaint { name: paint.id.clone(), mark: paint.mark })
-            .collect();
-        let labels = shot.labels(&paints);
-        let (known, marks) = (
-            labels.iter().filter(|label| (1..=paints.len() as u8).contains(label)).count(),
-            shot.mask.marks.iter().flatten().count(),
-        );
-        if 2 * known < marks {
-            bail!(
-                "{}: most of it is marked in colours that {} does not know\n  to do: give the masks that the model was learnt from, or train again",
-                shot.mask_path.display(),
-                "the model"
-            );
-        }
-        let ids: Vec<String> = paints.iter().map(|paint| paint.name.clone()).collect();
-        let frame = self.footage.numbers()[shot.index];
-        let names: Vec<&Name> = self
-            .names
-            .map(|(_, names)| names)
-            .unwrap_or_default()
-            .iter()
-            .filter(|name| name.camera == shot.camera && name.frame.is_none_or(|of| of == frame))
-            .collect();
-        let places: Vec<NamedPlace> = names.iter().map(|name| name.place.clone()).collect();
-        let size = [shot.mask.width, shot.mask.height];
-        let prefix = format!("{}_", shot.camera);
-        if self.names.is_some() && names.is_empty() {
-            run.warn(format!(
-                "camera {}: no name is given for any of its wrinkles; it is not followed",
-                shot.camera
-            ));
-            return Ok(Vec::new());
-        }
-        let marked = marked_wrinkles(size, &labels, &ids, &places, &prefix, &self.params);
-        if let (Some(wrong), Some((path, _))) = (marked.misplaced.first(), self.names) {
-            let line = names.iter().find(|name| name.place == *wrong).map_or(0, |name| name.line);
-            bail!(
-                "{}, line {line}: nothing is marked at {}, {} in camera {}, where {} shall be\n  to do: name a place on the marked paint",
-                path.display(),
-                wrong.at.x,
-                wrong.at.y,
-                shot.camera,
-                wrong.wrinkle
-            );
-        }
-        if !marked.unnamed.is_empty() {
-            let places: Vec<String> =
-                marked.unnamed.iter().map(|at| format!("{:.0}, {:.0}", at.x, at.y)).collect();
-            run.warn(format!("camera {}: marked, but without a name: at {}", shot.camera, places.join("; ")));
-        }
-        Ok(marked.wrinkles)
-    }
-
-    fn check_names(&self, shots: &[MaskedShot]) -> anyhow::Result<()> {
-        let Some((path, names)) = self.names else { return Ok(()) };
-        let numbers: BTreeSet<i64> = self.footage.numbers().into_iter().collect();
-        for name in names {
-            let place = format!("{}, line {}", path.display(), name.line);
-            if !shots.iter().any(|shot| shot.camera == name.camera) {
-                bail!(
-                    "{place}: no mask is given for camera {}\n  to do: mark its first image, or leave the row out",
-                    name.camera
-                );
-            }
-            if let Some(frame) = name.frame.filter(|frame| !numbers.contains(frame)) {
-                bail!("{place}: the take has no frame {frame}");
-            }
-        }
-        Ok(())
-    }
+    let name = |take: Option<&artifact::TakeRef>| take.map(|take| (take.session.clone(), take.take.clone()));
+    if name(learnt) == name(take) { check_take(run, path, learnt, take) } else { Ok(()) }
 }
 
 /// Images read ahead, per camera.

@@ -10,8 +10,8 @@ use stage::{ImageSource, Run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use wrinkle_track::{
-    Classifier, Drawing, Error, FLOOR, MarkedPaint, TrackParams, TrainParams, View, choose, learn,
-    marked_wrinkles, tidied, tint,
+    Chosen, Classifier, Drawing, Error, FLOOR, Learnt, MarkedPaint, Sample, TrackParams, TrainParams, View,
+    choose, learn, marked_wrinkles, tidied, tint,
 };
 
 /// Learns what the paints look like from images in which they are marked
@@ -42,6 +42,10 @@ pub(crate) struct Arguments {
     /// Picture to write (PNG): what the model takes for paint in the marked images, with the ids of the wrinkles
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Folder to write the training pixels of each paint into (<paint>.csv), for a classifier of your own; must not exist, or be
+    /// empty
+    #[arg(long, value_name = "FOLDER")]
+    samples: Option<PathBuf>,
     /// Table of the wrinkles to write (CSV), to give them other names for `track --names`
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
@@ -90,9 +94,18 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         .zip(&labels)
         .map(|(shot, labels)| View { picture: &shot.shot.picture, labels })
         .collect();
-    let learnt = learn_all(run, &paints, &views, &params).with_context(|| folder.display().to_string())?;
+    if let Some(folder) = &arguments.samples {
+        artifact::require_new_folder(folder)?;
+    }
+    let chosen = chosen(&paints, &views, params.pixels).with_context(|| folder.display().to_string())?;
+    let learnt = learn_all(run, &paints, &chosen, &params).with_context(|| folder.display().to_string())?;
     let model = PaintModel { take: footage.take.clone(), floor: FLOOR, paints: learnt };
     let mut outputs = vec![artifact::write_document(&arguments.out, &model)?];
+    if let Some(folder) = &arguments.samples {
+        for (paint, chosen) in paints.iter().zip(&chosen) {
+            outputs.push(write_samples(&folder.join(format!("{}.csv", paint.name)), chosen)?);
+        }
+    }
     let marked = Marked { shots: &shots, labels: &labels, paints: &paints, numbers: &footage.numbers() };
     if let Some(path) = &arguments.picture {
         outputs.push(marked.picture(path, &model)?);
@@ -103,49 +116,51 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.publish(outputs)
 }
 
-fn learn_all(
-    run: &mut Run,
-    paints: &[MarkedPaint],
-    views: &[View],
-    params: &TrainParams,
-) -> anyhow::Result<Vec<LearntPaint>> {
-    let mut progress = run.progress("learning", Some(paints.len() as u64));
-    let (mut learnt, mut reports) = (Vec::new(), BTreeMap::new());
-    for (index, paint) in paints.iter().enumerate() {
-        let chosen = choose(views, index as u8 + 1, FLOOR, params.pixels).map_err(|error| match error {
+/// The training pixels of each paint.
+fn chosen(paints: &[MarkedPaint], views: &[View], most: usize) -> Result<Vec<Vec<Chosen>>, Error> {
+    let of_paint = |(index, paint): (usize, &MarkedPaint)| {
+        choose(views, index as u8 + 1, FLOOR, most).map_err(|error| match error {
             Error::FewPixels { painted, all, .. } => {
                 Error::FewPixels { paint: paint.name.clone(), painted, all }
             }
             other => other,
-        })?;
-        let found = run.timed("learn", || learn(&paint.name, &chosen, params))?;
+        })
+    };
+    paints.iter().enumerate().map(of_paint).collect()
+}
+
+fn write_samples(path: &Path, chosen: &[Chosen]) -> anyhow::Result<Staged> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(["ln_g_r", "ln_b_g", "paint"])?;
+    for Sample { ratios, paint } in chosen.iter().map(|chosen| chosen.sample) {
+        table.write_record([ratios[0].to_string(), ratios[1].to_string(), u8::from(paint).to_string()])?;
+    }
+    Ok(artifact::stage_bytes(path, &table.into_inner()?)?)
+}
+
+fn learn_all(
+    run: &mut Run,
+    paints: &[MarkedPaint],
+    chosen: &[Vec<Chosen>],
+    params: &TrainParams,
+) -> Result<Vec<LearntPaint>, Error> {
+    let mut progress = run.progress("learning", Some(paints.len() as u64));
+    let (mut learnt, mut reports) = (Vec::new(), BTreeMap::new());
+    for (paint, chosen) in paints.iter().zip(chosen) {
+        let found = run.timed("learn", || learn(&paint.name, chosen, params))?;
         let support = found.machine.support().to_vec();
-        let report = Report {
-            score: found.score,
-            c: found.c,
-            gamma: found.gamma,
-            pixels: chosen.len(),
-            support: support.len(),
-        };
+        let Learnt { c, gamma, score, .. } = found;
         run.say(&format!(
-            "{}: tells {:.2} % of held-out pixels rightly (C {}, gamma {}, {} support pixels of {})",
+            "{}: tells {:.2} % of held-out pixels rightly (C {c}, gamma {gamma}, {} support pixels of {})",
             paint.name,
-            100.0 * found.score,
-            found.c,
-            found.gamma,
-            report.support,
-            report.pixels
+            100.0 * score,
+            support.len(),
+            chosen.len()
         ));
+        let report = Report { score, c, gamma, pixels: chosen.len(), support: support.len() };
         reports.insert(paint.name.clone(), report);
-        learnt.push(LearntPaint {
-            id: paint.name.clone(),
-            mark: paint.mark,
-            gamma: found.gamma,
-            c: found.c,
-            score: found.score,
-            bias: found.machine.bias(),
-            support,
-        });
+        let (id, mark, bias) = (paint.name.clone(), paint.mark, found.machine.bias());
+        learnt.push(LearntPaint { id, mark, gamma, c, score, bias, support });
         progress.step();
     }
     run.result("paints", reports);
