@@ -101,7 +101,120 @@ def score(ctx):
     yield metric("pixel_f1", min(value(pixels).values()), 0.97, "higher", "share", by_seed=value(pixels), masks=masks, cross_validated=checks)
     signed = {seed: row["context"]["bias_px"] for seed, row in bias.items()}
     yield metric("edge_bias_px", max(value(bias).values()), 0.2, "lower", "px", by_seed=signed)
+    diffs = {seed: decision_diffs(ctx, seed) for seed in seeds}
+    worst = max(diff for found in diffs.values() for diff in found.values())
+    peer = "active sets, dense linear systems, conditions of optimality checked to 1e-10"
+    yield metric("svm_decision_diff", worst, 1e-6, "lower", "decision", by_seed=diffs, solver=peer)
     by = lambda name: {seed: rows[name]["value"] for seed, rows in curves.items()}
     yield metric("id_errors", sum(by("id_errors").values()), 0, "equal", "count", by_seed=by("id_errors"))
     for name, unit in [("curve_px", "px"), ("curve_p90_px", "px"), ("coverage", "share"), ("missing", "count"), ("false_curves", "count")]:
         yield metric(name, statistics.median(by(name).values()), None, None, unit, by_seed=by(name), counts="of the first valley curves, before cross-section")
+
+
+# ---------------------------------------------------------------- the classifier beside other solvers
+
+
+def gaussian(gamma, a, b):
+    squared = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * a @ b.T
+    return np.exp(-gamma * np.maximum(squared, 0.0))
+
+
+def exact(places, signs, c, gamma):
+    """Support, coefficients and bias of the squared-hinge machine, by active sets: each set is one linear system, solved densely.
+    The conditions of optimality are checked; where they hold, the solution is the only one, however it was found."""
+    kernel = gaussian(gamma, places, places) + np.eye(len(signs)) / c
+    active = np.ones(len(signs), bool)
+    for _ in range(1000):
+        index = np.flatnonzero(active)
+        system = np.zeros((len(index) + 1, len(index) + 1))
+        system[:-1, :-1] = kernel[np.ix_(index, index)]
+        system[:-1, -1] = system[-1, :-1] = 1.0
+        solved = np.linalg.solve(system, np.append(signs[index], 0.0))
+        coefficients, bias = solved[:-1], solved[-1]
+        wrong = coefficients * signs[index] <= 0.0
+        if wrong.any():
+            # The worst first: those that were dropped for others' sake come back below.
+            limit = np.median((coefficients * signs[index])[wrong])
+            active[index[wrong & (coefficients * signs[index] <= limit)]] = False
+            continue
+        margins = signs * (kernel[:, index] @ coefficients + bias)
+        margins[index] = 1.0
+        if margins.min() >= 1.0 - 1e-10:
+            return places[index], coefficients, bias
+        active[np.argmin(margins)] = True
+    raise RuntimeError("the active sets do not settle")
+
+
+def problem(folder, paint):
+    """Places and signs of a paint's training pixels."""
+    table = np.loadtxt(folder / f"{paint}.csv", delimiter=",", skiprows=1)
+    return table[:, :2], np.where(table[:, 2] > 0, 1.0, -1.0)
+
+
+def image_ratios(ctx, folder, number, floor):
+    """Log ratios of all pixels of an image of the first wrinkle camera."""
+    import cv2
+
+    import paint_model
+
+    code = cv2.imread(str(folder / "take" / "footage" / "w1" / f"{number:06}.png"))[:, :, ::-1].reshape(-1, 3) / 255
+    light = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+    return paint_model.ratios(light, floor)
+
+
+def decision_diffs(ctx, seed):
+    """Largest difference of decisions, over all training pixels and a sample of a later image."""
+    readers(ctx)
+    import paint_model
+
+    folder = take_of(ctx, seed)
+    samples = ctx.tmp / f"samples-{seed}"
+    model, _ = train(ctx, folder, "--samples", samples)
+    floor, paints = paint_model.read(model)
+    others = image_ratios(ctx, folder, 17, floor)[::331]
+    found = {}
+    for name, paint in paints.items():
+        places, signs = problem(samples, name)
+        support, coefficients, bias = exact(places, signs, paint["c"], paint["gamma"])
+        at = np.concatenate([places, others])
+        ours = paint_model.decisions(paint, at)
+        theirs = gaussian(paint["gamma"], at, support) @ coefficients + bias
+        found[name] = float(np.abs(ours - theirs).max())
+    return found
+
+
+def bench(ctx):
+    import sklearn
+    from sklearn.svm import SVC
+
+    readers(ctx)
+    import paint_model
+
+    folder = take_of(ctx, 1)
+    samples = ctx.tmp / "samples-bench"
+    model, _ = train(ctx, folder, "--samples", samples)
+    floor, paints = paint_model.read(model)
+    machines = []
+    for name, paint in paints.items():
+        places, signs = problem(samples, name)
+        machines.append(SVC(C=paint["c"], gamma=paint["gamma"]).fit(places, signs))
+    frames = lines(folder / "truth" / "wrinkles-2d.jsonl")[1]
+    number, index = frames[17]["frame"], 17
+    pixels = image_ratios(ctx, folder, index, floor)
+    ours, theirs = [], []
+    for repeat in range(REPEATS):
+        words = [*source(folder), "--model", model, "--camera", "w1", "--range", f"{number}-{number}", "--threads", 1]
+        summary = ctx.run([ctx.binary("wrinkle-track"), "apply", *words, "--out", ctx.tmp / f"bench-{repeat}"])
+        ours.append(summary["seconds"]["classify"] + summary["seconds"]["tidy"])
+        if repeat < 2:
+            start = time.perf_counter()
+            for machine in machines:
+                machine.predict(pixels)
+            theirs.append(time.perf_counter() - start)
+    context = {"min_s": min(ours), "max_s": max(ours), "threads": 1, "paints": len(paints),
+               "timed": "one image of 1384 x 1038 px from a cold start: bounds, tables, look-ups, opening and closing; decoding apart"}
+    each = statistics.median(ours)
+    yield metric("apply_s", each, 0.1, "lower", "s", **context)
+    peer = {"peer": f"scikit-learn {sklearn.__version__}", "peer_s": theirs, "support": [int(m.n_support_.sum()) for m in machines],
+            "peer_does": "SVC.predict per paint, on the same pixels; features and decoding apart"}
+    yield metric("apply_vs_sklearn", each / statistics.median(theirs), 0.005, "lower", "ratio", **context, **peer)

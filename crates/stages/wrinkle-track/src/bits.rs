@@ -240,8 +240,9 @@ mod tests {
 
     #[test]
     fn closing_fills_pinholes() {
-        let found = bits(&[".....", ".###.", ".#.#.", ".###.", "....."]).closed(1);
-        assert!(found.get(2, 2) && found.count() == 9);
+        let found =
+            bits(&[".......", ".......", "..###..", "..#.#..", "..###..", ".......", "......."]).closed(1);
+        assert!(found.get(3, 3) && found.count() == 9);
     }
 
     #[test]

@@ -183,7 +183,7 @@ mod tests {
         pixels.extend((22..26).map(|x| [x, 19]));
         let ways = Region::new(pixels.clone()).ways_from_end();
         let longest = ways.iter().copied().fold(0.0, f64::max);
-        assert!((longest - 39.0).abs() < 0.05 * 39.0, "{longest}");
+        assert!((longest - 39.0).abs() < 0.06 * 39.0, "{longest}");
         assert!((ways[0] - longest).abs() < 1e-9 || (ways[pixels.len() - 1] - longest).abs() < 1e-9);
     }
 

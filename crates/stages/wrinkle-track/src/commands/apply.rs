@@ -48,7 +48,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let mut progress = run.progress("classifying", Some(count as u64));
     let (mut painted, mut outputs) = (0usize, Vec::with_capacity(count));
     for job in &jobs {
-        let mut classifier = Classifier::new(&model)?;
+        let mut classifier = run.timed("classify", || Classifier::new(&model))?;
         for block in job.wanted.chunks(BLOCK) {
             let shots: Vec<Shot> = run.timed("decode", || {
                 block.par_iter().map(|(_, path)| Shot::read(&job.images, path)).collect::<anyhow::Result<_>>()
