@@ -28,6 +28,15 @@ impl Stroke {
         Self { line, reach, center, area }
     }
 
+    /// The stroke of a curve through a region that was cut out of a larger patch: it is as wide as it was before.
+    #[must_use]
+    pub(crate) fn as_wide_as(self, before: Option<&Self>) -> Self {
+        match before {
+            Some(before) => Self { reach: before.reach, area: before.area, ..self },
+            None => self,
+        }
+    }
+
     /// Moves it.
     pub(crate) fn shift(&mut self, by: Place) {
         self.line.iter_mut().for_each(|point| *point += by);
@@ -118,6 +127,13 @@ pub(crate) fn common_shift(strokes: &[Known], patches: &[(u8, Patch)]) -> Place 
 /// A wrinkle takes part in a patch with others if it has such a share of what it was.
 const CLAIM: f64 = 0.25;
 
+/// A wrinkle's part of the paint.
+pub(crate) struct Share {
+    pub(crate) region: Region,
+    /// Whether it was cut out of a patch that others have a part in.
+    pub(crate) is_cut: bool,
+}
+
 /// The pixels of each wrinkle, and how many patches belong to none. A patch belongs to the nearest wrinkle of its paint; where
 /// several wrinkles have run into one patch, each pixel belongs to the nearest of them.
 #[must_use]
@@ -126,7 +142,7 @@ pub(crate) fn assigned(
     patches: &[(u8, Patch)],
     shift: Place,
     params: &TrackParams,
-) -> (Vec<Option<Region>>, usize) {
+) -> (Vec<Option<Share>>, usize) {
     let near: Vec<Option<usize>> = patches
         .iter()
         .map(|(paint, patch)| {
@@ -135,7 +151,7 @@ pub(crate) fn assigned(
         })
         .collect();
     let has_patch = |index: usize| near.contains(&Some(index));
-    let mut pixels: Vec<Vec<[usize; 2]>> = vec![Vec::new(); strokes.len()];
+    let mut found: Vec<(Vec<[usize; 2]>, bool)> = vec![(Vec::new(), false); strokes.len()];
     let mut strays = 0;
     for ((paint, patch), near) in patches.iter().zip(&near) {
         let Some(nearest) = *near else {
@@ -149,12 +165,15 @@ pub(crate) fn assigned(
         let mut shares = shared_out(strokes, patch, &candidates, shift);
         candidates.retain(|i| *i == nearest || claims(strokes[*i].1, shares[*i].len()));
         shares = shared_out(strokes, patch, &candidates, shift);
-        for (all, share) in pixels.iter_mut().zip(shares) {
-            all.extend(share);
+        for ((pixels, is_cut), share) in found.iter_mut().zip(shares) {
+            *is_cut |= candidates.len() > 1 && !share.is_empty();
+            pixels.extend(share);
         }
     }
-    let region = |pixels: Vec<[usize; 2]>| (!pixels.is_empty()).then(|| Region::new(pixels));
-    (pixels.into_iter().map(region).collect(), strays)
+    let share = |(pixels, is_cut): (Vec<[usize; 2]>, bool)| {
+        (!pixels.is_empty()).then(|| Share { region: Region::new(pixels), is_cut })
+    };
+    (found.into_iter().map(share).collect(), strays)
 }
 
 fn claims(stroke: Option<&Stroke>, pixels: usize) -> bool {

@@ -1,6 +1,6 @@
 //! Wrinkles from image to image: which patch of paint is which wrinkle, and what became of those without one.
 
-use crate::assign::{Stroke, assigned, common_shift};
+use crate::assign::{Share, Stroke, assigned, common_shift};
 use crate::bits::Patch;
 use crate::classify::Classified;
 use crate::light::Picture;
@@ -36,6 +36,8 @@ struct Wrinkle {
 const AREA_PACE: f64 = 0.1;
 /// A wrinkle of less than this share of its usual area is not found: what is left is a rest.
 const LEAST_SHARE: f64 = 0.05;
+/// Of a curve through a part of a patch: where the part ends is a guess.
+const CUT_CONFIDENCE: f64 = 0.5;
 /// Each image without the wrinkle halves the confidence.
 const HELD_CONFIDENCE: f64 = 0.5;
 
@@ -85,12 +87,12 @@ impl Follower {
         let strokes: Vec<(u8, Option<&Stroke>)> =
             self.wrinkles.iter().map(|wrinkle| (wrinkle.paint, wrinkle.stroke.as_ref())).collect();
         let shift = common_shift(&strokes, &patches);
-        let (regions, strays) = assigned(&strokes, &patches, shift, &self.params);
+        let (shares, strays) = assigned(&strokes, &patches, shift, &self.params);
         self.strays = strays;
-        self.note_clipped(picture, &regions);
+        self.note_clipped(picture, &shares);
         let params = self.params;
-        let pairs = self.wrinkles.iter_mut().zip(regions);
-        pairs.map(|(wrinkle, region)| wrinkle.update(picture, region, shift, &params)).collect()
+        let pairs = self.wrinkles.iter_mut().zip(shares);
+        pairs.map(|(wrinkle, share)| wrinkle.update(picture, share, shift, &params)).collect()
     }
 
     /// Tidied patches, with their paint.
@@ -119,8 +121,8 @@ impl Follower {
         }
     }
 
-    fn note_clipped(&mut self, picture: &Picture, regions: &[Option<Region>]) {
-        let pixels = regions.iter().flatten().flat_map(|region| &region.pixels);
+    fn note_clipped(&mut self, picture: &Picture, shares: &[Option<Share>]) {
+        let pixels = shares.iter().flatten().flat_map(|share| &share.region.pixels);
         let (mut all, mut clipped) = (0usize, 0usize);
         for [x, y] in pixels {
             all += 1;
@@ -140,28 +142,35 @@ impl Wrinkle {
     fn update(
         &mut self,
         picture: &Picture,
-        region: Option<Region>,
+        share: Option<Share>,
         shift: Place,
         params: &TrackParams,
     ) -> Option<Curve2d> {
         let least = (LEAST_SHARE * self.area).max(params.least_area_px as f64);
-        let region = region.filter(|region| region.area() as f64 >= least);
-        let found = region.and_then(|region| {
-            let valley = valley(&region, &light(picture, &region), self.controls.as_deref(), params)?;
-            Some((region, valley))
+        let share = share.filter(|share| share.region.area() as f64 >= least);
+        let found = share.and_then(|share| {
+            let light = light(picture, &share.region);
+            let valley = valley(&share.region, &light, self.controls.as_deref(), params)?;
+            Some((share, valley))
         });
         match found {
-            Some((region, valley)) => Some(self.found(&region, valley)),
+            Some((share, valley)) => Some(self.found(&share, valley)),
             None => self.lost(picture, shift, params),
         }
     }
 
-    fn found(&mut self, region: &Region, valley: Valley) -> Curve2d {
-        let area = region.area() as f64;
-        let confidence = (area / self.area).min(1.0) * valley.on_paint;
-        self.area += AREA_PACE * (area - self.area);
+    fn found(&mut self, share: &Share, valley: Valley) -> Curve2d {
+        let area = share.region.area() as f64;
+        let cut = if share.is_cut { CUT_CONFIDENCE } else { 1.0 };
+        let confidence = cut * (area / self.area).min(1.0) * valley.on_paint;
         self.missed = 0;
-        self.stroke = Some(Stroke::new(region, Some(&valley.controls)));
+        let stroke = Stroke::new(&share.region, Some(&valley.controls));
+        self.stroke = Some(if share.is_cut {
+            stroke.as_wide_as(self.stroke.as_ref())
+        } else {
+            self.area += AREA_PACE * (area - self.area);
+            stroke
+        });
         let curve = Curve2d {
             controls: valley.controls.iter().map(|control| [control.x, control.y]).collect(),
             state: CurveState::Seen,
