@@ -201,20 +201,24 @@ def bench(ctx):
     frames = lines(folder / "truth" / "wrinkles-2d.jsonl")[1]
     number, index = frames[17]["frame"], 17
     pixels = image_ratios(ctx, folder, index, floor)
-    ours, theirs = [], []
+    ones, each, theirs = [], [], []
     for repeat in range(REPEATS):
-        words = [*source(folder), "--model", model, "--camera", "w1", "--range", f"{number}-{number}", "--threads", 1]
-        summary = ctx.run([ctx.binary("wrinkle-track"), "apply", *words, "--out", ctx.tmp / f"bench-{repeat}"])
-        ours.append(summary["seconds"]["classify"] + summary["seconds"]["tidy"])
-        if repeat < 2:
+        words = [ctx.binary("wrinkle-track"), "apply", *source(folder), "--model", model, "--camera", "w1", "--threads", 1]
+        ones.append(ctx.run([*words, "--range", f"{number}-{number}", "--out", ctx.tmp / f"one-{repeat}"])["seconds"])
+        whole = ctx.run([*words, "--out", ctx.tmp / f"all-{repeat}"])
+        each.append(whole["seconds"]["classify"] / whole["results"]["images"])
+        if repeat < 3:
             start = time.perf_counter()
             for machine in machines:
                 machine.predict(pixels)
             theirs.append(time.perf_counter() - start)
-    context = {"min_s": min(ours), "max_s": max(ours), "threads": 1, "paints": len(paints),
-               "timed": "one image of 1384 x 1038 px from a cold start: bounds, tables, look-ups, opening and closing; decoding apart"}
-    each = statistics.median(ours)
-    yield metric("apply_s", each, 0.1, "lower", "s", **context)
+    context = {"threads": 1, "paints": len(paints)}
+    cold = [one["classify"] + one["tidy"] for one in ones]
+    timed = "one image of 1384 x 1038 px from a cold start: bounds, tables, look-ups, opening and closing; decoding apart"
+    yield metric("apply_s", statistics.median(cold), 0.1, "lower", "s", min_s=min(cold), max_s=max(cold), timed=timed, **context)
+    ratio = statistics.median(each) / statistics.median(theirs)
     peer = {"peer": f"scikit-learn {sklearn.__version__}", "peer_s": theirs, "support": [int(m.n_support_.sum()) for m in machines],
-            "peer_does": "SVC.predict per paint, on the same pixels; features and decoding apart"}
-    yield metric("apply_vs_sklearn", each / statistics.median(theirs), 0.005, "lower", "ratio", **context, **peer)
+            "peer_does": "SVC.predict per paint, on all pixels of one image; ratios and decoding apart"}
+    context["one_image_from_a_cold_start"] = statistics.median(one["classify"] for one in ones) / statistics.median(theirs)
+    timed = f"decisions on all pixels of {len(frames)} images, the cold start included, per image"
+    yield metric("apply_vs_sklearn", ratio, 0.005, "lower", "ratio", apply_s=each, timed=timed, **context, **peer)

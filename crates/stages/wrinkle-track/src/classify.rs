@@ -32,7 +32,8 @@ pub struct Classifier {
     cells: Cells,
     /// Per colour its paint and 1; 0 where nobody asked.
     known: Vec<u8>,
-    light: [f64; 256],
+    /// What the levels of the images mean; none before the first one.
+    light: Option<[f64; 256]>,
     logs: [f64; 256],
 }
 
@@ -50,16 +51,18 @@ impl Classifier {
         let machines: Vec<Svm> = model.paints.iter().map(machine).collect();
         let cells = Cells::new(&machines, model.floor);
         let known = vec![0; 1 << 24];
-        Ok(Self { machines, floor: model.floor, cells, known, light: [-1.0; 256], logs: [0.0; 256] })
+        Ok(Self { machines, floor: model.floor, cells, known, light: None, logs: [0.0; 256] })
     }
 
     /// The paint of each pixel, by tables; the same as [`Classifier::paint_at`] says of each.
     #[must_use]
     pub fn classify(&mut self, picture: &Picture) -> Classified {
-        if self.light != picture.light {
+        if self.light != Some(picture.light) {
             // Another transfer function: what the colours mean changed.
-            self.known.fill(0);
-            (self.light, self.logs) = (picture.light, picture.logs(self.floor));
+            if self.light.is_some() {
+                self.known.fill(0);
+            }
+            (self.light, self.logs) = (Some(picture.light), picture.logs(self.floor));
         }
         let mut paints = vec![0; picture.levels.len()];
         for (paint, levels) in paints.iter_mut().zip(&picture.levels) {
