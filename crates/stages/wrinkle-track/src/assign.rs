@@ -30,7 +30,7 @@ impl Stroke {
 
     /// The stroke of a curve through a region that was cut out of a larger patch: it is as wide as it was before.
     #[must_use]
-    pub(crate) fn as_wide_as(self, before: Option<&Self>) -> Self {
+    pub(crate) fn with_width_of(self, before: Option<&Self>) -> Self {
         match before {
             Some(before) => Self { reach: before.reach, area: before.area, ..self },
             None => self,

@@ -55,11 +55,11 @@ impl Drawing<'_> {
     pub fn curve(&mut self, id: &str, curve: &Curve2d) {
         let controls: Vec<crate::Place> = curve.controls.iter().map(|at| (*at).into()).collect();
         let color = tint(id);
-        let steps = 1 + (16.0 * self.scale.max(1.0)) as usize * controls.len();
+        let steps = 1 + (64.0 * self.scale.max(1.0)) as usize * controls.len();
         let places = crate::spline::sampled(&controls, steps);
         for (index, place) in places.iter().enumerate() {
             // Dashes say that a curve was kept from before.
-            if curve.state == CurveState::Held && index / 12 % 2 == 1 {
+            if curve.state == CurveState::Held && index / 48 % 2 == 1 {
                 continue;
             }
             self.dot([place.x, place.y], color);

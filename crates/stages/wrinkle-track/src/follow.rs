@@ -166,7 +166,7 @@ impl Wrinkle {
         self.missed = 0;
         let stroke = Stroke::new(&share.region, Some(&valley.controls));
         self.stroke = Some(if share.is_cut {
-            stroke.as_wide_as(self.stroke.as_ref())
+            stroke.with_width_of(self.stroke.as_ref())
         } else {
             self.area += AREA_PACE * (area - self.area);
             stroke

@@ -21,8 +21,6 @@ pub struct Valley {
 
 /// Distance of the places at which the paint's width is measured, px.
 const EVERY_PX: f64 = 4.0;
-/// Share of the pixels beyond the ends of the curve, at each: corners of slanting ends.
-const TRIMMED: f64 = 0.005;
 const CONTROLS: std::ops::RangeInclusive<usize> = 5..=12;
 /// The paint's end is looked for in steps of this, px, no farther than that.
 const RAY_STEP_PX: f64 = 0.25;
@@ -129,23 +127,16 @@ fn bend(controls: &[Place], axis: &Axis) -> f64 {
 
 /// The curve over a parameter along the wrinkle, px.
 fn curve(along: &[f64], places: &[Place], weights: &[f64], params: &TrackParams) -> Option<Vec<Place>> {
-    let mut sorted = along.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let cut = (TRIMMED * sorted.len() as f64) as usize;
-    let (from, to) = (*sorted.get(cut)?, sorted[sorted.len() - 1 - cut]);
-    let length = to - from;
+    let from = along.iter().copied().fold(f64::INFINITY, f64::min);
+    let length = along.iter().copied().fold(f64::NEG_INFINITY, f64::max) - from;
     if length <= 0.0 {
         return None;
     }
     let count =
         ((length / params.px_per_control).ceil() as usize + 3).clamp(*CONTROLS.start(), *CONTROLS.end());
     let end = count as f64 - 3.0;
-    let inside = |i: &usize| (from..=to).contains(&along[*i]);
-    let kept: Vec<usize> = (0..along.len()).filter(inside).collect();
-    let parameters: Vec<f64> = kept.iter().map(|i| end * (along[*i] - from) / length).collect();
-    let places: Vec<Place> = kept.iter().map(|i| places[*i]).collect();
-    let weights: Vec<f64> = kept.iter().map(|i| weights[*i]).collect();
-    spline::fit(&parameters, &places, &weights, count)
+    let parameters: Vec<f64> = along.iter().map(|along| end * (along - from) / length).collect();
+    spline::fit(&parameters, places, weights, count)
 }
 
 /// The curve in the direction of the one before.
