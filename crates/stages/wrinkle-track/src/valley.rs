@@ -13,7 +13,7 @@ pub struct Valley {
     pub controls: Vec<Place>,
     /// How far the paint reaches to both sides.
     pub paint: Vec<PaintWidth>,
-    /// Share of the curve that lies on paint.
+    /// Share of the curve that lies on paint, its ends left out.
     pub on_paint: f64,
     /// Whether the wrinkle bends so much that it goes along its skeleton.
     pub is_bent: bool,
@@ -156,7 +156,7 @@ fn paint_widths(region: &Region, controls: &[Place]) -> (Vec<PaintWidth>, f64) {
     let end = controls.len() as f64 - 3.0;
     let outline = spline::sampled(controls, 33);
     let length: f64 = outline.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-    let count = (length / EVERY_PX).ceil().max(1.0) as usize;
+    let count = (length / EVERY_PX).ceil().max(2.0) as usize;
     let width = |i: usize| {
         let u = end * i as f64 / count as f64;
         let (at, tangent) = (spline::point(controls, u), spline::derivative(controls, u));
@@ -164,8 +164,10 @@ fn paint_widths(region: &Region, controls: &[Place]) -> (Vec<PaintWidth>, f64) {
         PaintWidth { u, left_px: reach(region, at, -right), right_px: reach(region, at, right) }
     };
     let widths: Vec<PaintWidth> = (0..=count).map(width).collect();
-    let on_paint = widths.iter().filter(|width| width.left_px + width.right_px > 0.0).count();
-    let share = on_paint as f64 / widths.len() as f64;
+    // The very ends lie in the corners of slanting strokes.
+    let inner = &widths[1..widths.len() - 1];
+    let on_paint = inner.iter().filter(|width| width.left_px + width.right_px > 0.0).count();
+    let share = on_paint as f64 / inner.len() as f64;
     (widths, share)
 }
 
