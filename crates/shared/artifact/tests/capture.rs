@@ -366,6 +366,37 @@ proptest! {
 }
 
 #[test]
+fn paint_models_that_make_no_sense_are_refused() {
+    let model = |change: fn(&mut artifact::LearntPaint)| {
+        let pixel = artifact::SupportPixel { ratios: [1.0, -0.5], coefficient: 2.0 };
+        let (id, mark) = ("green".to_string(), [0, 255, 0]);
+        let mut paint = artifact::LearntPaint {
+            id,
+            mark,
+            gamma: 1.0,
+            c: 10.0,
+            score: 1.0,
+            bias: 0.5,
+            support: vec![pixel],
+        };
+        change(&mut paint);
+        artifact::PaintModel { take: None, floor: 0.004, paints: vec![paint] }
+    };
+    assert_eq!(document_again(&model(|_| ())), model(|_| ()));
+    says(&written_refusal(&model(|paint| paint.gamma = 0.0)), &["paint green", "gamma 0"]);
+    says(&written_refusal(&model(|paint| paint.score = 1.5)), &["paint green", "score 1.5"]);
+    says(
+        &written_refusal(&model(|paint| paint.support[0].coefficient = f64::NAN)),
+        &["paint green, support: NaN"],
+    );
+    says(&written_refusal(&model(|paint| paint.id.clear())), &["a paint has an empty id"]);
+    says(
+        &written_refusal(&artifact::PaintModel { paints: vec![], ..model(|_| ()) }),
+        &["paints: there is none"],
+    );
+}
+
+#[test]
 fn labels_that_make_no_sense_are_refused() {
     let labels = |id: &str, markers: &[(&str, [f64; 2])]| {
         let markers = markers.iter().map(|&(marker, at)| (marker.to_string(), at)).collect();
