@@ -360,6 +360,11 @@ proptest! {
         frame in any::<i64>(),
         cameras in btree_map("[a-z]{1,3}", btree_map("[a-z]{1,3}", prop::array::uniform2(any_number()), 0..4), 0..4),
     ) {
+        // Two markers on one point are refused.
+        let places = |markers: &BTreeMap<String, [f64; 2]>| {
+            markers.values().map(|at| at.map(f64::to_bits)).collect::<std::collections::HashSet<_>>().len()
+        };
+        prop_assume!(cameras.values().all(|markers| places(markers) == markers.len()));
         let labels = Labels { take: None, frame, cameras };
         prop_assert_eq!(document_again(&labels), labels);
     }
