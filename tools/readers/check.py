@@ -106,7 +106,13 @@ def check_scenario():
 
 
 def check_wrinkles():
-    import large_scale, sections, valleys, wrinkles_2d
+    import large_scale, paint_model, sections, valleys, wrinkles_2d
+    floor, paints = paint_model.read(FIXTURES / "paint-model-1/paint-model.json")
+    close(paint_model.ratios([[0.096, 0.196, 0.396]], floor), [[np.log(2), np.log(2)]])
+    # At a support pixel the kernel is 1; the other one lies 2 and 0.75 away along the axes.
+    wanted = 2 - 1.75 * np.exp(-0.5 * (2**2 + 0.75**2)) - 0.25
+    close(paint_model.decisions(paints["green"], np.array([[1.5, -1.0]])), [wanted])
+    close(paint_model.decisions(paints["violet"], np.array([[-1.5, 1.75]])), [0.875])
     _, curves = wrinkles_2d.read(FIXTURES / "wrinkles-2d-1/wrinkles-2d.jsonl")
     points, tangents, normals = wrinkles_2d.evaluate(curves[1001]["right"]["brow_1"], [0.0, 0.5, 1.0])
     close(points, [[110, 200], [115, 200], [120, 200]])
@@ -176,6 +182,7 @@ def check_formats_of_others():
 def check_commands():
     inputs = {"take": "take-2/take.json", "cameras": "cameras-1/cameras.json",
               "sync": "sync-1/sync.jsonl", "frames": "frames-1/frames.json", "labels": "labels-1/labels.json",
+              "paint_model": "paint-model-1/paint-model.json",
               "tracks_2d": "tracks-2d-1/tracks-2d.jsonl", "wrinkles_2d": "wrinkles-2d-1/wrinkles-2d.jsonl",
               "sections": "sections-1/sections.jsonl", "valleys": "valleys-1/valleys.jsonl",
               "trajectories_3d": "trajectories-3d-1/trajectories-3d.jsonl",

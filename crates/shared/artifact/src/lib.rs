@@ -45,6 +45,7 @@ mod marker_file;
 mod markers;
 mod mesh_file;
 mod mesh_sequence;
+mod paint_model;
 mod response_basis;
 mod sections;
 mod sync;
@@ -92,6 +93,7 @@ pub use marker_file::{check_marker_unit, read_trajectories, write_trajectories};
 pub use markers::Extent;
 pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
+pub use paint_model::{LearntPaint, PaintModel, SupportPixel};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
 pub use response_basis::ResponseBasis;
 pub use sections::{

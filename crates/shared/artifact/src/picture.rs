@@ -97,6 +97,32 @@ pub fn read_rgb(path: &Path) -> Result<Rgb> {
     Ok(Rgb { width, height, codes })
 }
 
+/// A picture in which somebody marked things in colours.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Marked {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green and blue of what is marked, row after row; none where the picture is transparent or black.
+    pub marks: Vec<Option<[u8; 3]>>,
+}
+
+/// Reads a PNG in which somebody marked things in colours on a transparent or black ground.
+///
+/// # Errors
+/// If the file cannot be read or is no whole PNG.
+pub fn read_marked(path: &Path) -> Result<Marked> {
+    let bytes = read_bytes(path)?;
+    let picture = decode(path, &bytes, ImageFormat::Png)?.into_rgba8();
+    let mark = |pixel: &image::Rgba<u8>| {
+        let [red, green, blue, alpha] = pixel.0;
+        (alpha >= 128 && [red, green, blue] != [0; 3]).then_some([red, green, blue])
+    };
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    Ok(Marked { width, height, marks: picture.pixels().map(mark).collect() })
+}
+
 /// What a picture's file says of itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Head {

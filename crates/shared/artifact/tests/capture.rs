@@ -360,9 +360,45 @@ proptest! {
         frame in any::<i64>(),
         cameras in btree_map("[a-z]{1,3}", btree_map("[a-z]{1,3}", prop::array::uniform2(any_number()), 0..4), 0..4),
     ) {
+        // Two markers on one point are refused.
+        let places = |markers: &BTreeMap<String, [f64; 2]>| {
+            markers.values().map(|at| at.map(f64::to_bits)).collect::<std::collections::HashSet<_>>().len()
+        };
+        prop_assume!(cameras.values().all(|markers| places(markers) == markers.len()));
         let labels = Labels { take: None, frame, cameras };
         prop_assert_eq!(document_again(&labels), labels);
     }
+}
+
+#[test]
+fn paint_models_that_make_no_sense_are_refused() {
+    let model = |change: fn(&mut artifact::LearntPaint)| {
+        let pixel = artifact::SupportPixel { ratios: [1.0, -0.5], coefficient: 2.0 };
+        let (id, mark) = ("green".to_string(), [0, 255, 0]);
+        let mut paint = artifact::LearntPaint {
+            id,
+            mark,
+            gamma: 1.0,
+            c: 10.0,
+            score: 1.0,
+            bias: 0.5,
+            support: vec![pixel],
+        };
+        change(&mut paint);
+        artifact::PaintModel { take: None, floor: 0.004, paints: vec![paint] }
+    };
+    assert_eq!(document_again(&model(|_| ())), model(|_| ()));
+    says(&written_refusal(&model(|paint| paint.gamma = 0.0)), &["paint green", "gamma 0"]);
+    says(&written_refusal(&model(|paint| paint.score = 1.5)), &["paint green", "score 1.5"]);
+    says(
+        &written_refusal(&model(|paint| paint.support[0].coefficient = f64::NAN)),
+        &["paint green, support: NaN"],
+    );
+    says(&written_refusal(&model(|paint| paint.id.clear())), &["a paint has an empty id"]);
+    says(
+        &written_refusal(&artifact::PaintModel { paints: vec![], ..model(|_| ()) }),
+        &["paints: there is none"],
+    );
 }
 
 #[test]

@@ -30,6 +30,17 @@ fn a_grey_picture_is_read_as_shares_of_white() {
 }
 
 #[test]
+fn what_is_transparent_or_black_is_not_marked() {
+    let place = Place::new();
+    let codes = vec![9, 0, 0, 255, 255, 0, 0, 127, 0, 0, 0, 255, 0, 255, 0, 128];
+    let picture = image::RgbaImage::from_raw(4, 1, codes).unwrap().into();
+    let marked = picture::read_marked(&place.file("w1.png", encoded(&picture, ImageFormat::Png))).unwrap();
+    assert_eq!((marked.width, marked.height), (4, 1));
+    assert_eq!(marked.marks, [Some([9, 0, 0]), None, None, Some([0, 255, 0])]);
+    says(&refusal(picture::read_marked(&place.file("w1.png", "v 0 0 0"))), &["w1.png: is not a PNG picture"]);
+}
+
+#[test]
 fn codes_of_8_and_16_bits_come_as_they_stand() {
     let place = Place::new();
     let eight = [255, 0, 51, 1, 2, 3];

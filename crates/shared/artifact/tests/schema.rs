@@ -7,7 +7,7 @@ mod support;
 use artifact::provenance::Provenance;
 use artifact::{
     CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, HandleFrame, Handles,
-    HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories, MeshRef,
+    HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories, MeshRef, PaintModel,
     ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase, TrackState, Tracks2d,
     Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp, Wrinkled, Wrinkles2d,
     document_schema, read_document, stream_schema, write_document,
@@ -35,6 +35,7 @@ fn kinds() -> Vec<(String, Value, PathBuf)> {
         stream::<TimeBase>(),
         document::<Frames>(),
         document::<Labels>(),
+        document::<PaintModel>(),
         stream::<Tracks2d>(),
         stream::<Wrinkles2d>(),
         stream::<Sections>(),
@@ -262,6 +263,15 @@ fn frozen_frames_and_labels_read() {
     refers_to_the_take(labels.take.as_ref());
     assert_eq!((labels.frame, labels.cameras["left"]["brow_l"]), (1001, [200.5, 0.1]));
     assert!(labels.cameras["right"].is_empty());
+}
+
+#[test]
+fn a_frozen_paint_model_reads() {
+    let model: PaintModel = document();
+    refers_to_the_take(model.take.as_ref());
+    let [green, violet] = &model.paints[..] else { panic!("{model:?}") };
+    assert_eq!((green.mark, green.support[1].coefficient), ([107, 255, 146], -1.75));
+    assert_eq!((violet.gamma, violet.c, violet.bias, model.floor), (2.0, 1.0, 0.125, 0.004));
 }
 
 #[test]

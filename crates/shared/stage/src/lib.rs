@@ -25,11 +25,13 @@
 //! }
 //! ```
 
+mod footage;
 mod inputs;
 mod progress;
 mod run;
 mod shell;
 
+pub use footage::{CameraImages, Footage, ImageSource, check_take};
 pub use inputs::{load_take, resolve_unit};
 pub use progress::Progress;
 pub use run::Run;
