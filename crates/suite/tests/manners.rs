@@ -93,9 +93,7 @@ const CALLS: &[(&str, &[&str])] = &[
     ("calibrate", &["wand", STREAM, "--scale", "800", "--out", "out.json"]),
     ("calibrate", &["doctor", DOCUMENT, "--tracks", STREAM]),
     ("marker-track", &["label", "missing-input.csv", "--out", "out.json"]),
-<<<<<<< HEAD
     ("marker-plan", &["--mesh", MESH, "--unit", "mm", "--out", "out.csv"]),
-=======
     (
         "wrinkle-track",
         &["train", "--frames", DOCUMENT, "--sync", STREAM, "--masks", MISSING, "--out", "out.json"],
@@ -118,7 +116,6 @@ const CALLS: &[(&str, &[&str])] = &[
     ),
     ("wrinkle-track", &["apply", "--frames", DOCUMENT, "--sync", STREAM, "--model", DOCUMENT, "--out", OUT]),
     ("wrinkle-track", &["show", "--frames", DOCUMENT, "--sync", STREAM, "--curves", STREAM, "--out", OUT]),
->>>>>>> wt
     // `house new-stage` adds here
 ];
 
