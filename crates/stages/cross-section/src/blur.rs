@@ -27,13 +27,6 @@ impl Table {
         Self { from, rows: rows.collect() }
     }
 
-    /// Of flat skin.
-    pub(crate) fn flat() -> Self {
-        let mut row = [0.0; COLUMNS];
-        row[0] = 1.0;
-        Self { from: 0.0, rows: vec![row; 5] }
-    }
-
     /// All columns at a place, and the derivative of the brightness by the place. Cubic between samples (Catmull–Rom), constant beyond
     /// the ends; linear in the samples, so that interpolated derivatives are those of the interpolated brightness.
     pub(crate) fn at(&self, place: f64) -> ([f64; COLUMNS], f64) {

@@ -4,27 +4,34 @@ use crate::descent::{Minimum, descend};
 use crate::paint::{Band, Pixel};
 use crate::params::Params;
 use crate::problem::{
-    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, RISE, ROUND, Row,
+    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row,
     TILTED,
 };
 use crate::shading::{NODES, places};
+use crate::smooth::smooth_costs;
 use crate::spline::Basis;
 
 /// Distance of the stations at which the model is computed, px.
 const STATION_PX: f64 = 8.0;
-/// Distances of the splines' knots, px: ln w, ln(d/w), crease, ln of the light.
-const KNOTS_PX: [f64; FIELDS] = [50.0, 28.0, 16.0, 40.0];
+/// Distances of the splines' knots, px: ln w, ln(d/w), crease, ln of the light, its rise, curvature of the surroundings.
+const KNOTS_PX: [f64; FIELDS] = [50.0, 28.0, 16.0, 40.0, 60.0, 60.0];
 /// Deviations of the differences of neighbouring coefficients: of these fields first ones, of the crease second ones, px.
-const CHANGES: [f64; FIELDS] = [0.15, 0.6, 0.5, 0.15];
+const CHANGES: [f64; FIELDS] = [0.15, 0.6, 0.5, 0.15, 0.05, 0.03];
 /// Paint reaches so many widths to each side, about …
 const PAINT_WIDTHS: f64 = 1.6;
 /// … but for this deviation of the logarithm.
 const WIDTH_SPREAD: f64 = 0.4;
+/// A valley so many times wider is not to be told from uneven light: the paint does not reach its rims.
+const WIDEST: f64 = 2.4;
 /// d/w before anything is known, and the deviation of its logarithm.
 const RATIO: f64 = 0.3;
 const RATIO_SPREAD: f64 = 1.2;
-/// Means and deviations of ε, κ, g, t and the rise of the light.
-const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.4], [0.0, 0.15], [0.0, 0.1], [0.0, 0.3], [0.0, 0.3]];
+/// Deviation of the light's rise across the wrinkle.
+const RISE_SPREAD: f64 = 0.1;
+/// Deviation of the curvature of the surroundings, per 10 px.
+const BEND_SPREAD: f64 = 0.06;
+/// Means and deviations of ε, κ, g, t.
+const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.4], [0.0, 0.15], [0.0, 0.1], [0.0, 0.3]];
 /// The first curve is off the crease by so much, px.
 const CREASE_SPREAD: f64 = 2.0;
 /// Neighbouring pixels share texture and misfit: so many of them count as one.
@@ -38,21 +45,46 @@ const LEAST_PIXELS: usize = 60;
 
 /// A fitted wrinkle, by its length.
 pub(crate) struct Fit {
-    /// Per station: ln w, ln(d/w), crease, ln of the light.
+    /// Per station: ln w, ln(d/w), crease, ln of the light, its rise, curvature.
     pub(crate) fields: Vec<[f64; FIELDS]>,
     /// Deviations of ln w and ln(d/w), per station.
     pub(crate) deviations: Vec<[f64; 2]>,
-    /// ε, κ, g, t and the rise of the light.
+    /// ε, κ, g, t.
     pub(crate) constants: [f64; CONSTANTS],
     /// By how much the valley explains the image better than flat paint, per station, and all over.
     pub(crate) gains: Vec<f64>,
     pub(crate) gain: f64,
+    pub(crate) cost: f64,
     /// Root mean square misfit per station, as share of the light on open paint.
     pub(crate) misfits: Vec<f64>,
     /// Distance of stations, px.
     pub(crate) spacing: f64,
     /// Per pixel of the band the model's light.
     pub(crate) model: Vec<f64>,
+}
+
+/// Starts: share of the expected width, ε, and the side to which the crease lies of what is dark, with a view from there.
+///
+/// A round bottom is brighter than its walls, and the wall that faces the camera looks the widest: the middle of what is dark is then
+/// none of the valley's.
+const STARTS: [[f64; 3]; 8] = [
+    [0.55, 0.1, 0.0],
+    [1.0, 0.1, 0.0],
+    [0.55, 0.5, 0.0],
+    [1.0, 0.5, 0.0],
+    [0.75, 0.15, 1.0],
+    [0.75, 0.15, -1.0],
+    [0.75, 0.5, 1.0],
+    [0.75, 0.5, -1.0],
+];
+
+/// The best groove that is the same everywhere.
+struct First {
+    /// ln w, ln(d/w), ε.
+    groove: [f64; 3],
+    /// How far its crease lies off the middle of what is dark, px.
+    crease: f64,
+    tilt: f64,
 }
 
 /// What a fit starts from.
@@ -81,10 +113,16 @@ impl Fit {
         let base = plan.start(&flat, &creases, &[plan.ln_width, RATIO.ln(), 0.4]);
         let first = plan.first(&creases)?;
         let mut problem = plan.problem(false);
-        let mut best = descend(&problem, &plan.start(&problem, &creases, &first), 12, 0.5);
-        let noise = plan.noise(&problem, &best);
+        let creases: Vec<f64> = creases.iter().map(|crease| crease + first.crease).collect();
+        let mut start = plan.start(&problem, &creases, &first.groove);
+        let at = problem.first(FIELDS) + TILTED;
+        if problem.free[TILTED] {
+            start[at] = first.tilt;
+        }
+        let mut best = descend(&problem, &start, ev("N1").unwrap_or(12.0) as usize, ev("L1").unwrap_or(0.5));
+        let noise = ev("NZ").unwrap_or(plan.noise(&problem, &best));
         (problem.noise, flat.noise) = (noise, noise);
-        best = descend(&problem, &best.unknowns, 15, 0.05);
+        best = descend(&problem, &best.unknowns, ev("N2").unwrap_or(15.0) as usize, ev("L2").unwrap_or(0.05));
         if problem.constants(&best.unknowns)[ROUND] < 0.6 {
             best = sharpened(&mut problem, best);
         }
@@ -150,7 +188,6 @@ impl<'a> Plan<'a> {
 
     fn bare<'p>(&'p self, rows: &'p [Row], bases: [Basis; FIELDS], flat: bool) -> Problem<'p> {
         let mut free = [!flat; CONSTANTS];
-        free[RISE] = true;
         free[TILTED] &= self.params.tilt_deg.is_none();
         Problem {
             rows,
@@ -162,6 +199,7 @@ impl<'a> Plan<'a> {
             albedo: self.albedo,
             reach: self.reach,
             noise: NOISE[0] * CORRELATED.sqrt(),
+            widest: self.ln_width + WIDEST.ln(),
             places: &self.places,
         }
     }
@@ -169,7 +207,7 @@ impl<'a> Plan<'a> {
     fn priors(&self, problem: &Problem<'_>) -> Vec<Prior> {
         let mut priors = Vec::new();
         let values =
-            [Some((self.ln_width, WIDTH_SPREAD)), Some((RATIO.ln(), RATIO_SPREAD)), Some((0.0, CREASE_SPREAD)), None];
+            [Some((self.ln_width, WIDTH_SPREAD)), Some((RATIO.ln(), RATIO_SPREAD)), Some((0.0, CREASE_SPREAD)), None, Some((0.0, RISE_SPREAD)), Some((0.0, BEND_SPREAD))];
         for (field, value) in values.into_iter().enumerate() {
             let (first, count) = (problem.first(field), problem.bases[field].count);
             if let Some((mean, deviation)) = value {
@@ -186,7 +224,9 @@ impl<'a> Plan<'a> {
             }
         }
         let first = problem.first(FIELDS);
-        for (constant, [mean, deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
+        for (constant, [mut mean, mut deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
+            if let Some(v) = ev(&format!("K{constant}")) { mean = v; }
+            if let Some(v) = ev(&format!("S{constant}")) { deviation = v; }
             if problem.free[constant] {
                 priors.push(Prior { terms: vec![(first + constant, 1.0)], mean, deviation });
             }
@@ -218,20 +258,33 @@ impl<'a> Plan<'a> {
     }
 
     /// The best groove that is the same everywhere, from several starts: ln w, ln(d/w), ε.
-    fn first(&self, creases: &[f64]) -> Option<[f64; 3]> {
+    fn first(&self, creases: &[f64]) -> Option<First> {
         let rows = self.collapsed(creases);
         let bases = std::array::from_fn(|_| Basis::constant(2));
         let mut problem = self.bare(&rows, bases, false);
         problem.priors = self.priors(&problem);
         let mut best: Option<Minimum> = None;
-        for (width, epsilon) in [(0.55, 0.1), (1.0, 0.1), (0.55, 0.5), (1.0, 0.5)] {
-            let start = self.start(&problem, &[0.0; 2], &[self.ln_width + f64::ln(width), RATIO.ln(), epsilon]);
+        for [width, epsilon, side] in STARTS {
+            let ln_width = self.ln_width + f64::ln(width);
+            let mut start = self.start(&problem, &[0.0; 2], &[ln_width, RATIO.ln(), epsilon]);
+            let first = problem.first(FIELDS);
+            start[problem.first(CREASE)] = 0.4 * side * ln_width.exp();
+            if problem.free[TILTED] {
+                start[first + TILTED] = 0.5 * side;
+            }
             let found = descend(&problem, &start, 10, 1.0);
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
                 best = Some(found);
             }
         }
-        best.map(|best| [best.unknowns[0], best.unknowns[1], problem.constants(&best.unknowns)[ROUND]])
+        best.map(|best| (problem.first(CREASE), best)).map(|(crease, best)| {
+            let constants = problem.constants(&best.unknowns);
+            First {
+                groove: [best.unknowns[0], best.unknowns[1], constants[ROUND]],
+                crease: best.unknowns[crease],
+                tilt: constants[TILTED],
+            }
+        })
     }
 
     /// The mean light by distance from the ridge, in steps of half a pixel.
@@ -277,7 +330,9 @@ impl<'a> Plan<'a> {
             covariance.as_ref().map_or(f64::INFINITY, sum).max(0.0).sqrt()
         };
         let deviations = (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
-        let (costs, flat_costs) = (problem.costs(unknowns), flat.costs(&flat_best.unknowns));
+        let costs = problem.costs(unknowns);
+        let flat_costs = flat.costs(&flat_best.unknowns);
+        let smooth = smooth_costs(&self.rows, self.length, self.stations, problem.noise);
         let gains: Vec<f64> = flat_costs.iter().zip(&costs).map(|(flat, cost)| flat - cost).collect();
         let mut model = vec![0.0; band.pixels.len()];
         let mut squares = vec![[0.0f64; 2]; self.stations];
@@ -295,7 +350,8 @@ impl<'a> Plan<'a> {
             fields,
             deviations,
             constants: std::array::from_fn(|k| constants[k]),
-            gain: flat_best.cost - best.cost,
+            cost: best.cost / 1.0,
+            gain: smooth.iter().sum::<f64>().min(flat_costs.iter().sum()) - costs.iter().sum::<f64>(),
             gains,
             misfits,
             spacing: self.length / (self.stations - 1) as f64,
@@ -359,3 +415,6 @@ fn dark_middle(bin: &[[f64; 2]]) -> [f64; 2] {
         false => [0.0; 2],
     }
 }
+
+#[allow(clippy::disallowed_methods)]
+fn ev(name: &str) -> Option<f64> { std::env::var(name).ok()?.parse().ok() }

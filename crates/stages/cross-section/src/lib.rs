@@ -12,6 +12,7 @@ mod picture;
 mod problem;
 mod profile;
 mod shading;
+mod smooth;
 mod spline;
 
 pub use curve::{Curve, Foot};

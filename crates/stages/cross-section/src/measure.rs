@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 /// A valley must explain the image better than flat skin within so many px to each side …
 const LOCAL_PX: f64 = 20.0;
 /// … by this share of the gate.
-const LOCAL_GATE: f64 = 0.4;
+const LOCAL_GATE: f64 = 0.75;
 /// A section needs paint within so many px along the curve.
 const GAP_PX: f64 = 5.0;
 
@@ -52,12 +52,17 @@ pub fn painted(picture: &Picture, light: &[f64; 256], curve: &Curve2d, params: &
 pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Option<Measured> {
     let Painted { curve, band } = painted;
     let fit = Fit::of(band, curve.len(), params, albedo)?;
+    if std::env::var("DBG").is_ok() {
+        let mid = fit.fields.len() / 2;
+        let g: Vec<i64> = fit.gains.iter().map(|g| *g as i64).collect();
+        eprintln!("DBG gain {:.0} px {} len {:.0} w {:.1} r {:.3} eps {:.2} misfit {:.4} gains {g:?} r {:?}", fit.gain, band.pixels.len(), curve.len(), fit.fields[mid][0].exp(), fit.fields[mid][1].exp(), fit.constants[0], fit.misfits[mid], fit.fields.iter().map(|f| (f[1].exp() * 100.0) as i64).collect::<Vec<_>>());
+    }
     let count = (curve.len() / params.step_px).floor().max(1.0) as usize;
     let places = (0..=count).map(|i| curve.len() * i as f64 / count as f64);
     let paint = Coverage::of(band, curve.len());
     let sections = places.map(|x| section(&fit, curve, x, params, paint.near(x))).collect();
     let debug = ();let _=debug;
-    Some(Measured { sections, model: fit.model.clone(), gain: fit.gain, debug: format!("const e k g t b {:?} misfit {:?}", fit.constants, fit.misfits) })
+    Some(Measured { sections, model: fit.model.clone(), gain: fit.gain, debug: format!("cost {} const e k g t b {:?} misfit {:?}", fit.cost, fit.constants, fit.misfits) })
 }
 
 /// Where along a curve there is paint.

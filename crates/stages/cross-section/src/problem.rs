@@ -1,25 +1,29 @@
 //! The extended model of a wrinkle's image: all painted pixels of one wrinkle against values at stations along it.
 
 use crate::blur::{COLUMNS, Table};
-use crate::shading::{EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
+use crate::shading::{BEND, EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
 use crate::spline::Basis;
 use nalgebra::{DMatrix, DVector};
 
-/// What varies along a wrinkle: ln w, ln(d/w), place of the crease beside the curve, ln of the light on open paint.
-pub(crate) const FIELDS: usize = 4;
+/// What varies along a wrinkle: ln w, ln(d/w), place of the crease beside the curve, ln of the light on open paint, and how that
+/// rises across, curvature of the surroundings.
+pub(crate) const FIELDS: usize = 6;
 pub(crate) const LN_WIDTH: usize = 0;
 pub(crate) const LN_RATIO: usize = 1;
 pub(crate) const CREASE: usize = 2;
 pub(crate) const LN_LIGHT: usize = 3;
-/// What is the same all along it: ε, κ, g, t, and how the light rises across it.
-pub(crate) const CONSTANTS: usize = 5;
+pub(crate) const RISE: usize = 4;
+pub(crate) const BENT: usize = 5;
+/// What is the same all along it: ε, κ, g, t.
+pub(crate) const CONSTANTS: usize = 4;
 pub(crate) const ROUND: usize = 0;
 pub(crate) const LOPSIDED: usize = 1;
 pub(crate) const SKEWED: usize = 2;
 pub(crate) const TILTED: usize = 3;
-pub(crate) const RISE: usize = 4;
-/// Columns of the tables behind the first four constants.
-const SHARED: [usize; 4] = [EPSILON, KAPPA, SKEW, TILT];
+/// Columns of the tables behind the constants.
+const SHARED: [usize; CONSTANTS] = [EPSILON, KAPPA, SKEW, TILT];
+/// The curvature is per so many px.
+const BEND_PX: f64 = 10.0;
 /// The light's rise is per so many px.
 pub(crate) const RISE_PX: f64 = 20.0;
 /// Unknowns that one pixel hangs on: the fields at two stations, and the constants.
@@ -32,11 +36,12 @@ const BOUNDS: [[f64; 2]; FIELDS + CONSTANTS] = [
     [-5.5, 0.7],
     [-30.0, 30.0],
     [-3.0, 1.5],
+    [-1.0, 1.0],
+    [-0.4, 0.4],
     [0.0, 0.85],
     [-0.6, 0.6],
     [-0.5, 0.5],
     [-2.0, 2.0],
-    [-1.0, 1.0],
 ];
 
 /// A pixel between two stations.
@@ -78,6 +83,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) reach: f64,
     /// Deviation of a pixel, after the correlation of neighbours.
     pub(crate) noise: f64,
+    /// ln of the largest width.
+    pub(crate) widest: f64,
     pub(crate) places: &'a [f64; NODES],
 }
 
@@ -114,7 +121,10 @@ impl Problem<'_> {
     pub(crate) fn clamp(&self, unknowns: &mut [f64]) {
         for field in 0..FIELDS {
             let first = self.first(field);
-            let [low, high] = BOUNDS[field];
+            let [low, mut high] = BOUNDS[field];
+            if field == LN_WIDTH {
+                high = high.min(self.widest);
+            }
             unknowns[first..first + self.bases[field].count].iter_mut().for_each(|x| *x = x.clamp(low, high));
         }
         let first = self.first(FIELDS);
@@ -131,16 +141,16 @@ impl Problem<'_> {
         for station in 0..self.stations() {
             let groove = Groove {
                 w: self.field(unknowns, LN_WIDTH, station).exp(),
-                ratio: self.field(unknowns, LN_RATIO, station).exp(),
+                ratio: if self.flat { 0.0 } else { self.field(unknowns, LN_RATIO, station).exp() },
                 epsilon: constants[ROUND],
                 kappa: constants[LOPSIDED],
+                bend: self.field(unknowns, BENT, station) / BEND_PX,
                 skew: constants[SKEWED],
                 tilt: constants[TILTED],
                 albedo: self.albedo,
             };
             let table = match (tables.last(), last == Some(groove)) {
                 (Some(table), true) => table.clone(),
-                _ if self.flat => Table::flat(),
                 _ => Table::of(&Lit::of(&groove, self.places), self.blur, self.reach),
             };
             tables.push(table);
@@ -155,7 +165,7 @@ impl Problem<'_> {
         let mix = |field: usize| shares[0] * ends.fields[0][field] + shares[1] * ends.fields[1][field];
         let (place, level) = (row.p - mix(CREASE), mix(LN_LIGHT).exp());
         let across = row.p / RISE_PX;
-        let gain = level * (1.0 + ends.rise * across);
+        let gain = level * (1.0 + mix(RISE) * across);
         let sampled = ends.tables.map(|table| table.at(place));
         let both = |column: usize| shares[0] * sampled[0].0[column] + shares[1] * sampled[1].0[column];
         let (light, slope) = (both(0), shares[0] * sampled[0].1 + shares[1] * sampled[1].1);
@@ -167,18 +177,19 @@ impl Problem<'_> {
             by[at + LN_RATIO] = gain * shares[end] * columns[1 + RATIO];
             by[at + CREASE] = -gain * shares[end] * slope;
             by[at + LN_LIGHT] = gain * shares[end] * light;
+            by[at + BENT] = gain * shares[end] * columns[1 + BEND] / BEND_PX;
+            by[at + RISE] = level * shares[end] * light * across;
         }
         for (constant, column) in SHARED.into_iter().enumerate() {
             by[2 * FIELDS + constant] = gain * both(1 + column);
         }
-        by[2 * FIELDS + RISE] = level * light * across;
         (gain * light, by)
     }
 
     fn ends<'t>(&self, unknowns: &[f64], tables: &'t [Table], station: usize) -> Ends<'t> {
         let next = (station + 1).min(self.stations() - 1);
         let fields = [station, next].map(|at| std::array::from_fn(|field| self.field(unknowns, field, at)));
-        Ends { fields, rise: self.constants(unknowns)[RISE], tables: [&tables[station], &tables[next]] }
+        Ends { fields, tables: [&tables[station], &tables[next]] }
     }
 
     /// Twice the negative logarithm of the posterior, up to a constant.
@@ -278,7 +289,6 @@ impl Problem<'_> {
 /// The fields and tables at the two ends of an interval.
 struct Ends<'t> {
     fields: [[f64; FIELDS]; 2],
-    rise: f64,
     tables: [&'t Table; 2],
 }
 
@@ -324,7 +334,7 @@ impl Prior {
 }
 
 /// The cost of a residual in deviations, and the weight of its square.
-fn huber(residual: f64) -> (f64, f64) {
+pub(crate) fn huber(residual: f64) -> (f64, f64) {
     let off = residual.abs();
     match off <= HUBER {
         true => (residual * residual, 1.0),

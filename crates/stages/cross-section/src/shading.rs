@@ -14,14 +14,19 @@ const REACH: f64 = 6.5;
 const CROWDING: f64 = 4.0;
 
 /// Number of parameters of a groove.
-pub(crate) const PARAMETERS: usize = 6;
-/// Places of parameters: ln w, ln(d/w), ε, κ, g, t.
+pub(crate) const PARAMETERS: usize = 7;
+/// Places of parameters: ln w, ln(d/w), ε, κ, c, g, t. The first five shape the section.
 pub(crate) const WIDTH: usize = 0;
 pub(crate) const RATIO: usize = 1;
 pub(crate) const EPSILON: usize = 2;
 pub(crate) const KAPPA: usize = 3;
-pub(crate) const SKEW: usize = 4;
-pub(crate) const TILT: usize = 5;
+pub(crate) const BEND: usize = 4;
+pub(crate) const SKEW: usize = 5;
+pub(crate) const TILT: usize = 6;
+/// Parameters that shape the section.
+const SHAPE: usize = 5;
+/// The surroundings are bent up to about so many width scales from the crease; beyond, they run out level.
+const BENT: f64 = 4.0;
 
 /// A groove as it is lit and seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +39,8 @@ pub(crate) struct Groove {
     pub(crate) epsilon: f64,
     /// Asymmetry.
     pub(crate) kappa: f64,
+    /// Curvature of what the groove lies in, 1/px; positive where that is hollow.
+    pub(crate) bend: f64,
     /// How the sky's radiance changes towards p > 0: `L = 1 + g ω_p`.
     pub(crate) skew: f64,
     /// Tangent of the angle by which the camera stands on the side p > 0 of the normal.
@@ -55,15 +62,16 @@ pub(crate) struct Lit {
     pub(crate) count: usize,
 }
 
-/// A node on the section, in width scales: place X, height Z, slope M, with derivatives by ln(d/w), ε, κ.
+/// A node on the section, in width scales: place X, height Z, slope M, with derivatives by [`WIDTH`] … [`BEND`].
 #[derive(Debug, Clone, Copy, Default)]
 struct Node {
     x: f64,
     z: f64,
     slope: f64,
+    /// Only κ moves nodes.
     x_by_kappa: f64,
-    z_by: [f64; 2],
-    slope_by: [f64; 3],
+    z_by: [f64; SHAPE],
+    slope_by: [f64; SHAPE],
 }
 
 /// Unsigned places of the nodes right of the crease, in width scales. None is at the crease, where slopes may jump.
@@ -79,6 +87,8 @@ fn section(groove: &Groove, places: &[f64; NODES]) -> [Node; NODES] {
     let Groove { ratio, epsilon, kappa, .. } = *groove;
     let (factor, growth) = steepness_of_scale(epsilon);
     let depth = ratio * factor;
+    let rest = 1.0 - epsilon * epsilon;
+    let (scale, scale_growth) = (groove.w / rest.sqrt(), epsilon / rest);
     places.map(|v| {
         let side = 1.0 + kappa * v.signum();
         let round = v.hypot(epsilon);
@@ -86,24 +96,37 @@ fn section(groove: &Groove, places: &[f64; NODES]) -> [Node; NODES] {
         let (z, lean) = (depth * (round - 1.0) * fall, v / round);
         let slope = depth * (2.0 - round) * fall * lean / side;
         let z_by_epsilon = growth * z + depth * (2.0 - round) * fall * epsilon / round;
-        let bend = -2.0 / (round * round) - 2.0 / round + 1.0;
-        let slope_by_epsilon = growth * slope + depth * fall * bend * lean * epsilon / side;
+        let twist = -2.0 / (round * round) - 2.0 / round + 1.0;
+        let slope_by_epsilon = growth * slope + depth * fall * twist * lean * epsilon / side;
+        // What the groove lies in: ½ c X₀² (1 − e^(−X²/X₀²)).
+        let x = v * side;
+        let fade = (-(x / BENT).powi(2)).exp();
+        let (hollow, hollow_slope) = (0.5 * scale * BENT * BENT * (1.0 - fade), scale * x * fade);
+        let hollow_twist = scale * (1.0 - 2.0 * (x / BENT).powi(2)) * fade;
+        let (bent, bent_slope) = (groove.bend * hollow, groove.bend * hollow_slope);
+        let x_by_kappa = v.abs();
         Node {
-            x: v * side,
-            z,
-            slope,
-            x_by_kappa: v.abs(),
-            z_by: [z, z_by_epsilon],
-            slope_by: [slope, slope_by_epsilon, -slope * v.signum() / side],
+            x,
+            z: z + bent,
+            slope: slope + bent_slope,
+            x_by_kappa,
+            z_by: [bent, z, z_by_epsilon + scale_growth * bent, bent_slope * x_by_kappa, hollow],
+            slope_by: [
+                bent_slope,
+                slope,
+                slope_by_epsilon + scale_growth * bent_slope,
+                -slope * v.signum() / side + groove.bend * hollow_twist * x_by_kappa,
+                hollow_slope,
+            ],
         }
     })
 }
 
-/// A horizon: tangent of its elevation, with derivatives by ln(d/w), ε, κ.
+/// A horizon: tangent of its elevation, with derivatives by [`WIDTH`] … [`BEND`].
 #[derive(Debug, Clone, Copy, Default)]
 struct Horizon {
     slope: f64,
-    by: [f64; 3],
+    by: [f64; SHAPE],
 }
 
 /// The horizons of all nodes on the side that `order` comes from: it visits the nodes from that side's end.
@@ -137,8 +160,9 @@ fn sight(from: &Node, to: &Node) -> Horizon {
     let run = (to.x - from.x).abs();
     let slope = (to.z - from.z) / run;
     let run_by_kappa = (to.x - from.x).signum() * (to.x_by_kappa - from.x_by_kappa);
-    let by = |k: usize| (to.z_by[k] - from.z_by[k]) / run;
-    Horizon { slope, by: [by(0), by(1), -slope * run_by_kappa / run] }
+    let mut by = std::array::from_fn(|k| (to.z_by[k] - from.z_by[k]) / run);
+    by[KAPPA] -= slope * run_by_kappa / run;
+    Horizon { slope, by }
 }
 
 /// Cosine of the angle between a horizon and the ground at a point, both as slopes, with derivatives by the two.
@@ -210,9 +234,10 @@ impl Lit {
         let irradiance = 0.5 * (near + other) + groove.skew * skew;
         let [light, gain] = with_bounces(irradiance, groove.albedo);
         self.light[i] = light;
-        let by = |k: usize| gain * (by_right * right.by[k] + by_left * left.by[k] + by_slope * node.slope_by[k]);
-        (self.light_by[i][RATIO], self.light_by[i][EPSILON]) = (by(0), by(1));
-        (self.light_by[i][KAPPA], self.light_by[i][SKEW]) = (by(2), gain * skew);
+        for k in 0..SHAPE {
+            self.light_by[i][k] = gain * (by_right * right.by[k] + by_left * left.by[k] + by_slope * node.slope_by[k]);
+        }
+        self.light_by[i][SKEW] = gain * skew;
     }
 
     /// Places in the image: `q = w_s (X − (Z − Z₀) t)`, w_s = w / √(1 − ε²): along the section as the camera shortens it.
@@ -228,11 +253,13 @@ impl Lit {
             let rise = node.z - bottom;
             let at = scale * (node.x - rise * tilt);
             self.at[i] = at;
-            self.at_by[i][WIDTH] = at;
-            self.at_by[i][RATIO] = -scale * tilt * rise;
-            self.at_by[i][EPSILON] =
-                at * epsilon / rest - scale * tilt * (node.z_by[1] - bottom_by_epsilon);
-            self.at_by[i][KAPPA] = scale * node.x_by_kappa;
+            for k in 0..SHAPE {
+                let bottom_by = [0.0, bottom, bottom_by_epsilon, 0.0, 0.0][k];
+                self.at_by[i][k] = -scale * tilt * (node.z_by[k] - bottom_by);
+            }
+            self.at_by[i][WIDTH] += at;
+            self.at_by[i][EPSILON] += at * epsilon / rest;
+            self.at_by[i][KAPPA] += scale * node.x_by_kappa;
             self.at_by[i][TILT] = -scale * rise;
         }
     }
@@ -255,6 +282,47 @@ impl Lit {
             (self.at[to], self.light[to]) = (self.at[i], self.light[i]);
             (self.at_by[to], self.light_by[to]) = (self.at_by[i], self.light_by[i]);
             self.count += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn groove() -> Groove {
+        Groove { w: 6.0, ratio: 0.4, epsilon: 0.25, kappa: 0.15, bend: 0.012, skew: 0.1, tilt: 0.3, albedo: 0.3 }
+    }
+
+    fn changed(groove: &Groove, parameter: usize, by: f64) -> Groove {
+        let mut changed = *groove;
+        match parameter {
+            WIDTH => changed.w *= by.exp(),
+            RATIO => changed.ratio *= by.exp(),
+            EPSILON => changed.epsilon += by,
+            KAPPA => changed.kappa += by,
+            BEND => changed.bend += by,
+            SKEW => changed.skew += by,
+            _ => changed.tilt += by,
+        }
+        changed
+    }
+
+    #[test]
+    fn derivatives_are_those_of_differences() {
+        for (name, groove) in [("all", groove()), ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }), ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() })] {
+            let lit = Lit::of(&groove, &places());
+            for parameter in 0..PARAMETERS {
+                let step = 1e-6;
+                let [less, more] = [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), &places()));
+                for node in 0..NODES {
+                    let light = (more.light[node] - less.light[node]) / (2.0 * step);
+                    let at = (more.at[node] - less.at[node]) / (2.0 * step);
+                    let (by, at_by) = (lit.light_by[node][parameter], lit.at_by[node][parameter]);
+                    assert!((light - by).abs() < 1e-4 * (1.0 + by.abs()), "{name} light {node} by {parameter}: {light} {by}");
+                    assert!((at - at_by).abs() < 1e-4 * (1.0 + at_by.abs()), "{name} at {node} by {parameter}: {at} {at_by}");
+                }
+            }
         }
     }
 }
