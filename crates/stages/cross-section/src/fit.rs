@@ -27,11 +27,11 @@ const WIDEST: f64 = 2.4;
 const RATIO: f64 = 0.3;
 const RATIO_SPREAD: f64 = 1.2;
 /// Deviation of the light's rise across the wrinkle.
-const RISE_SPREAD: f64 = 0.1;
+const RISE_SPREAD: f64 = 0.04;
 /// Deviation of the curvature of the surroundings, per 10 px.
-const BEND_SPREAD: f64 = 0.06;
+const BEND_SPREAD: f64 = 0.03;
 /// Means and deviations of ε, κ, g, t.
-const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.4], [0.0, 0.15], [0.0, 0.1], [0.0, 0.3]];
+const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.3], [0.0, 0.12], [0.0, 0.06], [0.0, 0.3]];
 /// The first curve is off the crease by so much, px.
 const CREASE_SPREAD: f64 = 2.0;
 /// Neighbouring pixels share texture and misfit: so many of them count as one.
@@ -54,7 +54,6 @@ pub(crate) struct Fit {
     /// By how much the valley explains the image better than flat paint, per station, and all over.
     pub(crate) gains: Vec<f64>,
     pub(crate) gain: f64,
-    pub(crate) cost: f64,
     /// Root mean square misfit per station, as share of the light on open paint.
     pub(crate) misfits: Vec<f64>,
     /// Distance of stations, px.
@@ -119,10 +118,10 @@ impl Fit {
         if problem.free[TILTED] {
             start[at] = first.tilt;
         }
-        let mut best = descend(&problem, &start, ev("N1").unwrap_or(12.0) as usize, ev("L1").unwrap_or(0.5));
-        let noise = ev("NZ").unwrap_or(plan.noise(&problem, &best));
+        let mut best = descend(&problem, &start, 12, 0.5);
+        let noise = plan.noise(&problem, &best);
         (problem.noise, flat.noise) = (noise, noise);
-        best = descend(&problem, &best.unknowns, ev("N2").unwrap_or(15.0) as usize, ev("L2").unwrap_or(0.05));
+        best = descend(&problem, &best.unknowns, 15, 0.05);
         if problem.constants(&best.unknowns)[ROUND] < 0.6 {
             best = sharpened(&mut problem, best);
         }
@@ -224,9 +223,7 @@ impl<'a> Plan<'a> {
             }
         }
         let first = problem.first(FIELDS);
-        for (constant, [mut mean, mut deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
-            if let Some(v) = ev(&format!("K{constant}")) { mean = v; }
-            if let Some(v) = ev(&format!("S{constant}")) { deviation = v; }
+        for (constant, [mean, deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
             if problem.free[constant] {
                 priors.push(Prior { terms: vec![(first + constant, 1.0)], mean, deviation });
             }
@@ -350,7 +347,6 @@ impl<'a> Plan<'a> {
             fields,
             deviations,
             constants: std::array::from_fn(|k| constants[k]),
-            cost: best.cost / 1.0,
             gain: smooth.iter().sum::<f64>().min(flat_costs.iter().sum()) - costs.iter().sum::<f64>(),
             gains,
             misfits,
@@ -415,6 +411,3 @@ fn dark_middle(bin: &[[f64; 2]]) -> [f64; 2] {
         false => [0.0; 2],
     }
 }
-
-#[allow(clippy::disallowed_methods)]
-fn ev(name: &str) -> Option<f64> { std::env::var(name).ok()?.parse().ok() }

@@ -1,5 +1,6 @@
 //! Measures width and depth of painted wrinkles from the shadow that they throw into themselves [BickelBotsch2007, Sec. 5.2].
 
+mod albedo;
 mod blur;
 mod curve;
 mod descent;
@@ -7,6 +8,7 @@ mod error;
 mod fit;
 mod measure;
 mod paint;
+mod paper;
 mod params;
 mod picture;
 mod problem;
@@ -15,9 +17,11 @@ mod shading;
 mod smooth;
 mod spline;
 
+pub use albedo::estimate_albedo;
 pub use curve::{Curve, Foot};
 pub use error::Error;
-pub use measure::{Measured, Painted, measure, painted};
+pub use measure::{Measured, Painted, failed, measure, painted};
+pub use paper::{SharpFit, SharpGroove};
 pub use paint::{Band, Pixel, band};
 pub use params::{Model, Params};
 pub use picture::Picture;

@@ -1,9 +1,11 @@
 //! From an image and a curve to sections.
 
+use crate::albedo::combined_albedo;
 use crate::curve::Curve;
 use crate::fit::Fit;
 use crate::paint::{Band, band};
-use crate::params::Params;
+use crate::paper;
+use crate::params::{Model, Params};
 use crate::picture::Picture;
 use crate::problem::{CREASE, LN_LIGHT, LN_RATIO, LN_WIDTH, LOPSIDED, ROUND};
 use artifact::{Curve2d, Section, SectionDeviation, SectionState};
@@ -34,7 +36,6 @@ pub struct Measured {
     pub model: Vec<f64>,
     /// By how much a valley explains the image better than flat skin: twice the gain in log-likelihood.
     pub gain: f64,
-    pub debug: String,
 }
 
 /// The paint along a curve; none where the curve leaves the image or there is no paint.
@@ -47,22 +48,71 @@ pub fn painted(picture: &Picture, light: &[f64; 256], curve: &Curve2d, params: &
     Some(Painted { curve: path, band })
 }
 
-/// The sections of a wrinkle; none where there is too little paint.
+/// The sections of a wrinkle. Those without paint are failed; all of them where there is too little.
+///
+/// `albedo`: the share of the light that the paint's brightest channel throws back, see [`estimate_albedo`](crate::estimate_albedo).
 #[must_use]
-pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Option<Measured> {
+pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Measured {
     let Painted { curve, band } = painted;
-    let fit = Fit::of(band, curve.len(), params, albedo)?;
-    if std::env::var("DBG").is_ok() {
-        let mid = fit.fields.len() / 2;
-        let g: Vec<i64> = fit.gains.iter().map(|g| *g as i64).collect();
-        eprintln!("DBG gain {:.0} px {} len {:.0} w {:.1} r {:.3} eps {:.2} misfit {:.4} gains {g:?} r {:?}", fit.gain, band.pixels.len(), curve.len(), fit.fields[mid][0].exp(), fit.fields[mid][1].exp(), fit.constants[0], fit.misfits[mid], fit.fields.iter().map(|f| (f[1].exp() * 100.0) as i64).collect::<Vec<_>>());
-    }
-    let count = (curve.len() / params.step_px).floor().max(1.0) as usize;
-    let places = (0..=count).map(|i| curve.len() * i as f64 / count as f64);
+    let places = places(curve, params);
     let paint = Coverage::of(band, curve.len());
-    let sections = places.map(|x| section(&fit, curve, x, params, paint.near(x))).collect();
-    let debug = ();let _=debug;
-    Some(Measured { sections, model: fit.model.clone(), gain: fit.gain, debug: format!("cost {} const e k g t b {:?} misfit {:?}", fit.cost, fit.constants, fit.misfits) })
+    if params.model == Model::Paper {
+        return measure_sharp(painted, params, &places, &paint);
+    }
+    let Some(fit) = Fit::of(band, curve.len(), params, combined_albedo(band, albedo)) else {
+        let sections = places.iter().map(|&x| failed_section(curve, x)).collect();
+        return Measured { sections, model: vec![1.0; band.pixels.len()], gain: 0.0 };
+    };
+    let sections = places.iter().map(|&x| section(&fit, curve, x, params, paint.near(x))).collect();
+    Measured { sections, model: fit.model, gain: fit.gain }
+}
+
+/// Sections of a curve beside which there is no paint: all failed; none if it is no curve.
+#[must_use]
+pub fn failed(curve: &Curve2d, params: &Params) -> Vec<Section> {
+    let Some(curve) = Curve::of(curve) else { return Vec::new() };
+    places(&curve, params).into_iter().map(|x| failed_section(&curve, x)).collect()
+}
+
+/// Lengths along a curve at which it is measured.
+fn places(curve: &Curve, params: &Params) -> Vec<f64> {
+    let count = (curve.len() / params.step_px).floor().max(1.0);
+    (0..=count as usize).map(|i| curve.len() * i as f64 / count).collect()
+}
+
+fn failed_section(curve: &Curve, x: f64) -> Section {
+    let (u, at, right) = curve.at(x);
+    Section {
+        u,
+        at: at.into(),
+        normal: right.into(),
+        w_px: 0.0,
+        d_px: 0.0,
+        epsilon: 0.0,
+        kappa: 0.0,
+        tilt_rad: None,
+        deviation: None,
+        residual: None,
+        state: SectionState::Failed,
+    }
+}
+
+/// The paper's fit has no gate: all that has paint is measured.
+fn measure_sharp(painted: &Painted, params: &Params, places: &[f64], paint: &Coverage) -> Measured {
+    let Painted { curve, band } = painted;
+    let fits = paper::fit(band, curve, places, params);
+    let sections = places.iter().zip(&fits).map(|(&x, fit)| {
+        let failed = failed_section(curve, x);
+        fit.filter(|_| paint.near(x)).map_or(failed, |fit| Section {
+            w_px: fit.w,
+            d_px: fit.ratio * fit.w,
+            residual: Some(fit.misfit),
+            state: SectionState::Measured,
+            ..failed
+        })
+    });
+    let model = paper::model(band, curve, &fits);
+    Measured { sections: sections.collect(), model, gain: 0.0 }
 }
 
 /// Where along a curve there is paint.

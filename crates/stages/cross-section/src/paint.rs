@@ -1,11 +1,14 @@
 //! Which pixels beside a curve show its paint, and how bright they are.
 
+use crate::albedo::extremes;
 use crate::curve::Curve;
 use crate::picture::Picture;
 use nalgebra::Vector2;
 
 /// Added to linear light before ratios are taken, so that the dark ones do not drown in noise.
 const FLOOR: f64 = 0.004;
+/// Less light than this has no logarithm that means anything.
+const DARKEST: f64 = 1e-4;
 /// Pixels so near to the curve are taken for paint, to learn its colour, px.
 const NEAR: f64 = 2.5;
 /// Log-ratios so many robust deviations off are another colour …
@@ -27,6 +30,8 @@ pub struct Pixel {
     pub p: f64,
     /// Light, as share of that of bright paint.
     pub light: f64,
+    /// ln of its light in the paint's brightest channel over that in the darkest.
+    pub ratio: f64,
     /// Column and row in the image.
     pub place: [u32; 2],
 }
@@ -168,7 +173,7 @@ pub fn band(picture: &Picture, light: &[f64; 256], curve: &Curve, reach: f64) ->
         .filter_map(|index| {
             let [x, y] = window.place(index);
             let foot = curve.foot(Vector2::new(x as f64, y as f64)).filter(|foot| foot.p.abs() <= reach)?;
-            Some((index, Pixel { x: foot.x, p: foot.p, light: 0.0, place: [x as u32, y as u32] }))
+            Some((index, Pixel { x: foot.x, p: foot.p, light: 0.0, ratio: 0.0, place: [x as u32, y as u32] }))
         })
         .collect();
     let count = |wanted: Mark| joined.iter().zip(&marks).filter(|&(&is, &mark)| is && mark == wanted).count();
@@ -176,9 +181,14 @@ pub fn band(picture: &Picture, light: &[f64; 256], curve: &Curve, reach: f64) ->
     let codes = |[x, y]: [u32; 2]| picture.at(x as usize, y as usize).map(|code| light[usize::from(code)]);
     let color = bright(placed.iter().map(|(_, pixel)| codes(pixel.place)))?;
     let weight = color.iter().map(|light| light * light).sum::<f64>();
+    let (most, least) = extremes(&color);
+    let channel = |wanted: f64| color.iter().position(|light| *light == wanted).unwrap_or(0);
+    let (bright, dark) = (channel(most), channel(least));
     let lit = |(_, pixel): (usize, Pixel)| {
-        let sum: f64 = codes(pixel.place).iter().zip(color).map(|(light, color)| light * color).sum();
-        Pixel { light: sum / weight, ..pixel }
+        let lights = codes(pixel.place);
+        let sum: f64 = lights.iter().zip(color).map(|(light, color)| light * color).sum();
+        let ratio = ((lights[bright] + DARKEST) / (lights[dark] + DARKEST)).ln();
+        Pixel { light: sum / weight, ratio, ..pixel }
     };
     let pixels: Vec<Pixel> = placed.into_iter().map(lit).collect();
     Some(Band { pixels, color, saturated, black })

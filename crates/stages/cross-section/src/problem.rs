@@ -192,11 +192,6 @@ impl Problem<'_> {
         Ends { fields, tables: [&tables[station], &tables[next]] }
     }
 
-    /// Twice the negative logarithm of the posterior, up to a constant.
-    pub(crate) fn cost(&self, unknowns: &[f64]) -> f64 {
-        self.costs(unknowns).iter().sum::<f64>() + self.prior_cost(unknowns)
-    }
-
     /// What the pixels say, by their stations.
     pub(crate) fn costs(&self, unknowns: &[f64]) -> Vec<f64> {
         let mut costs = vec![0.0; self.stations()];

@@ -7,8 +7,6 @@ pub(crate) struct Basis {
     pub(crate) count: usize,
     /// Per station its first coefficient and the weights from it on.
     pub(crate) stations: Vec<(usize, [f64; 4])>,
-    /// Distance of the knots, px.
-    pub(crate) spacing: f64,
 }
 
 impl Basis {
@@ -20,12 +18,12 @@ impl Basis {
             let first = (along as usize).min(spans as usize - 1);
             (first, weights(along - first as f64))
         };
-        Self { count: spans as usize + 3, stations: (0..count).map(station).collect(), spacing: length / spans }
+        Self { count: spans as usize + 3, stations: (0..count).map(station).collect() }
     }
 
     /// The same value at all stations.
     pub(crate) fn constant(count: usize) -> Self {
-        Self { count: 1, stations: vec![(0, [1.0, 0.0, 0.0, 0.0]); count], spacing: f64::INFINITY }
+        Self { count: 1, stations: vec![(0, [1.0, 0.0, 0.0, 0.0]); count] }
     }
 
     pub(crate) fn at(&self, station: usize, coefficients: &[f64]) -> f64 {

@@ -6,7 +6,7 @@ use artifact::{
     Curve2d, FrameRange, FrameReader, FrameWriter, Profile, Section, SectionState, Sections, SectionsFrame, SectionsHeader,
     Transfer, Wrinkles2d, Wrinkles2dFrame,
 };
-use cross_section::{Model, Params, measure, painted};
+use cross_section::{Model, Painted, Params, estimate_albedo, failed, measure, painted};
 use rayon::prelude::*;
 use serde::Serialize;
 use stage::Run;
@@ -138,6 +138,8 @@ struct Tally {
     measured: usize,
     saturated: usize,
     black: usize,
+    /// Sum over images.
+    albedo: f64,
 }
 
 fn frame_sections(
@@ -157,26 +159,26 @@ fn frame_sections(
         let picture = image.picture()?;
         let light = view.transfer.light_of_codes();
         let curves: Vec<(&String, &Curve2d)> = curves.iter().collect();
-        let found: Vec<(Option<Vec<Section>>, [usize; 2])> = curves
+        let paints: Vec<Option<Painted>> =
+            curves.par_iter().map(|(_, curve)| painted(&picture, &light, curve, params)).collect();
+        let bands = paints.iter().flatten().map(|painted| &painted.band);
+        tally.saturated += bands.clone().map(|band| band.saturated).sum::<usize>();
+        tally.black += bands.clone().map(|band| band.black).sum::<usize>();
+        let albedo = params.albedo.unwrap_or_else(|| estimate_albedo(bands));
+        let found: Vec<Vec<Section>> = curves
             .par_iter()
-            .map(|(_, curve)| {
-                let Some(paint) = painted(&picture, &light, curve, params) else { return (None, [0; 2]) };
-                let clipped = [paint.band.saturated, paint.band.black];
-                (measure(&paint, params, params.albedo.unwrap_or(0.0)).map(|measured| measured.sections), clipped)
+            .zip(&paints)
+            .map(|((_, curve), paint)| match paint {
+                Some(paint) => measure(paint, params, albedo).sections,
+                None => failed(curve, params),
             })
             .collect();
         tally.images += 1;
+        tally.albedo += albedo;
         let mut by_wrinkle = BTreeMap::new();
-        for ((id, _), (found, [saturated, black])) in curves.into_iter().zip(found) {
-            tally.wrinkles += 1;
-            (tally.saturated, tally.black) = (tally.saturated + saturated, tally.black + black);
-            match found {
-                Some(found) => {
-                    tally.add(&found);
-                    by_wrinkle.insert(id.clone(), found);
-                }
-                None => tally.failed += 1,
-            }
+        for ((id, _), found) in curves.into_iter().zip(found) {
+            tally.add(&found);
+            by_wrinkle.insert(id.clone(), found);
         }
         sections.insert(camera.clone(), by_wrinkle);
     }
@@ -185,10 +187,13 @@ fn frame_sections(
 
 impl Tally {
     fn add(&mut self, sections: &[Section]) {
-        let measured = sections.iter().filter(|section| section.state == SectionState::Measured).count();
+        let count = |state: SectionState| sections.iter().filter(|section| section.state == state).count();
+        self.wrinkles += 1;
         self.sections += sections.len();
-        self.measured += measured;
-        self.flat += usize::from(measured == 0);
+        self.measured += count(SectionState::Measured);
+        let failed = count(SectionState::Failed) == sections.len();
+        self.failed += usize::from(failed);
+        self.flat += usize::from(!failed && count(SectionState::Measured) == 0);
     }
 
     fn report(&self, run: &mut Run) {
@@ -198,5 +203,19 @@ impl Tally {
         run.result("flat", self.flat);
         run.result("sections", self.sections);
         run.result("measured", self.measured);
+        run.result("saturated_pixels", self.saturated);
+        run.result("black_pixels", self.black);
+        run.result("albedo", self.albedo / self.images.max(1) as f64);
+        if !self.missing.is_empty() {
+            let first: Vec<&str> = self.missing.iter().take(5).map(String::as_str).collect();
+            let more = if self.missing.len() > 5 { " …" } else { "" };
+            run.warn(format!("no image of {} frames that have curves: {}{more}", self.missing.len(), first.join(", ")));
+        }
+        if self.saturated + self.black > 0 {
+            run.warn(format!(
+                "{} saturated and {} black pixels in the paint were left out; expose so that neither occurs",
+                self.saturated, self.black
+            ));
+        }
     }
 }
