@@ -77,7 +77,13 @@ mod tests {
             let lit = color.map(|channel: f64| channel * with_bounces(seen, albedo * channel / 0.35)[0]);
             let square: f64 = color.iter().map(|channel| channel * channel).sum();
             let light = (0..3).map(|k| lit[k] * color[k]).sum::<f64>() / square;
-            Pixel { x: i as f64 / 40.0, p: (i % 40) as f64 - 20.0, light, ratio: (lit[1] / lit[0]).ln(), place: [0, 0] }
+            Pixel {
+                x: i as f64 / 40.0,
+                p: (i % 40) as f64 - 20.0,
+                light,
+                ratio: (lit[1] / lit[0]).ln(),
+                place: [0, 0],
+            }
         };
         Band { pixels: (0..4000).map(pixel).collect(), color, saturated: 0, black: 0 }
     }

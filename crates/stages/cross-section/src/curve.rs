@@ -79,9 +79,12 @@ impl Curve {
     #[must_use]
     pub fn foot(&self, place: Vector2<f64>) -> Option<Foot> {
         let far = |knot: &Knot| (knot.at - place).norm_squared();
-        let (nearest, _) = self.knots.iter().enumerate().map(|(i, knot)| (i, far(knot))).reduce(|best, other| {
-            if other.1 < best.1 { other } else { best }
-        })?;
+        let (nearest, _) =
+            self.knots
+                .iter()
+                .enumerate()
+                .map(|(i, knot)| (i, far(knot)))
+                .reduce(|best, other| if other.1 < best.1 { other } else { best })?;
         let spans = (self.controls.len() - 3) as f64;
         let mut u = self.knots[nearest].u;
         for _ in 0..3 {
@@ -121,7 +124,12 @@ impl Curve {
         let v = u - span as f64;
         let w = 1.0 - v;
         let weights = [
-            [w * w * w, 3.0 * v * v * v - 6.0 * v * v + 4.0, -3.0 * v * v * v + 3.0 * v * v + 3.0 * v + 1.0, v * v * v],
+            [
+                w * w * w,
+                3.0 * v * v * v - 6.0 * v * v + 4.0,
+                -3.0 * v * v * v + 3.0 * v * v + 3.0 * v + 1.0,
+                v * v * v,
+            ],
             [-3.0 * w * w, 9.0 * v * v - 12.0 * v, -9.0 * v * v + 6.0 * v + 3.0, 3.0 * v * v],
             [6.0 * w, 18.0 * v - 12.0, -18.0 * v + 6.0, 6.0 * v],
         ];

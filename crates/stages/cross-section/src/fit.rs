@@ -4,8 +4,7 @@ use crate::descent::{Minimum, descend};
 use crate::paint::{Band, Pixel};
 use crate::params::Params;
 use crate::problem::{
-    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row,
-    TILTED,
+    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
 use crate::shading::{NODES, places};
 use crate::smooth::smooth_costs;
@@ -205,8 +204,14 @@ impl<'a> Plan<'a> {
 
     fn priors(&self, problem: &Problem<'_>) -> Vec<Prior> {
         let mut priors = Vec::new();
-        let values =
-            [Some((self.ln_width, WIDTH_SPREAD)), Some((RATIO.ln(), RATIO_SPREAD)), Some((0.0, CREASE_SPREAD)), None, Some((0.0, RISE_SPREAD)), Some((0.0, BEND_SPREAD))];
+        let values = [
+            Some((self.ln_width, WIDTH_SPREAD)),
+            Some((RATIO.ln(), RATIO_SPREAD)),
+            Some((0.0, CREASE_SPREAD)),
+            None,
+            Some((0.0, RISE_SPREAD)),
+            Some((0.0, BEND_SPREAD)),
+        ];
         for (field, value) in values.into_iter().enumerate() {
             let (first, count) = (problem.first(field), problem.bases[field].count);
             if let Some((mean, deviation)) = value {
@@ -298,7 +303,13 @@ impl<'a> Plan<'a> {
             }
         }
         let row = |[weight, p, light]: &[f64; 3]| {
-            (*weight > 0.0).then(|| Row { station: 0, share: 0.0, p: p / weight, light: light / weight, weight: *weight })
+            (*weight > 0.0).then(|| Row {
+                station: 0,
+                share: 0.0,
+                p: p / weight,
+                light: light / weight,
+                weight: *weight,
+            })
         };
         sums.iter().filter_map(row).collect()
     }
@@ -312,21 +323,36 @@ impl<'a> Plan<'a> {
         (1.4826 * median).max(NOISE[1]) * CORRELATED.sqrt()
     }
 
-    fn fit(&self, band: &Band, problem: &Problem<'_>, best: &Minimum, flat: &Problem<'_>, flat_best: &Minimum) -> Fit {
+    fn fit(
+        &self,
+        band: &Band,
+        problem: &Problem<'_>,
+        best: &Minimum,
+        flat: &Problem<'_>,
+        flat_best: &Minimum,
+    ) -> Fit {
         let unknowns = &best.unknowns;
-        let fields = (0..self.stations).map(|at| std::array::from_fn(|k| problem.field(unknowns, k, at))).collect();
+        let fields =
+            (0..self.stations).map(|at| std::array::from_fn(|k| problem.field(unknowns, k, at))).collect();
         let covariance = problem.normal(unknowns).1.matrix.try_inverse();
         let deviation = |field: usize, station: usize| {
             let (at, weights) = problem.bases[field].stations[station];
             let at = problem.first(field) + at;
             let used = |k: usize| weights[k] != 0.0;
-            let pair = |j: usize, k: usize, inverse: &nalgebra::DMatrix<f64>| weights[j] * weights[k] * inverse[(at + j, at + k)];
+            let pair = |j: usize, k: usize, inverse: &nalgebra::DMatrix<f64>| {
+                weights[j] * weights[k] * inverse[(at + j, at + k)]
+            };
             let sum = |inverse: &nalgebra::DMatrix<f64>| -> f64 {
-                (0..4).flat_map(|j| (0..4).map(move |k| (j, k))).filter(|&(j, k)| used(j) && used(k)).map(|(j, k)| pair(j, k, inverse)).sum()
+                (0..4)
+                    .flat_map(|j| (0..4).map(move |k| (j, k)))
+                    .filter(|&(j, k)| used(j) && used(k))
+                    .map(|(j, k)| pair(j, k, inverse))
+                    .sum()
             };
             covariance.as_ref().map_or(f64::INFINITY, sum).max(0.0).sqrt()
         };
-        let deviations = (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
+        let deviations =
+            (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
         let costs = problem.costs(unknowns);
         let flat_costs = flat.costs(&flat_best.unknowns);
         let smooth = smooth_costs(&self.rows, self.length, self.stations, problem.noise);
@@ -363,8 +389,11 @@ fn half_width(rows: &[Row], intervals: usize) -> f64 {
         let extent = &mut extents[row.station];
         *extent = [extent[0].min(row.p), extent[1].max(row.p)];
     }
-    let mut halves: Vec<f64> =
-        extents.iter().filter(|extent| extent[1] > extent[0]).map(|extent| 0.5 * (extent[1] - extent[0]) + 2.5).collect();
+    let mut halves: Vec<f64> = extents
+        .iter()
+        .filter(|extent| extent[1] > extent[0])
+        .map(|extent| 0.5 * (extent[1] - extent[0]) + 2.5)
+        .collect();
     if halves.is_empty() {
         return 1.0;
     }

@@ -2,6 +2,7 @@
 
 mod albedo;
 mod blur;
+mod chroma;
 mod curve;
 mod descent;
 mod error;
@@ -18,11 +19,12 @@ mod smooth;
 mod spline;
 
 pub use albedo::estimate_albedo;
+pub use chroma::is_subsampled;
 pub use curve::{Curve, Foot};
 pub use error::Error;
 pub use measure::{Measured, Painted, failed, measure, painted};
-pub use paper::{SharpFit, SharpGroove};
 pub use paint::{Band, Pixel, band};
+pub use paper::{SharpFit, SharpGroove};
 pub use params::{Model, Params};
 pub use picture::Picture;
 pub use profile::Profile;

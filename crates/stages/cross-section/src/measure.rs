@@ -129,7 +129,9 @@ impl Coverage {
 
     fn near(&self, x: f64) -> bool {
         let cell = (x / GAP_PX) as usize;
-        self.0[cell] || x % GAP_PX < 0.5 * GAP_PX && cell > 0 && self.0[cell - 1] || self.0.get(cell + 1) == Some(&true)
+        self.0[cell]
+            || x % GAP_PX < 0.5 * GAP_PX && cell > 0 && self.0[cell - 1]
+            || self.0.get(cell + 1) == Some(&true)
     }
 }
 
@@ -138,7 +140,8 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
         let (fields, deviations) = fit.at(x);
         let (w, ratio) = (fields[LN_WIDTH].exp(), fields[LN_RATIO].exp());
         let ratio_spread = ratio * deviations[1];
-        let spread = SectionDeviation { w_px: w * deviations[0], d_px: w * ratio_spread.hypot(ratio * deviations[0]) };
+        let spread =
+            SectionDeviation { w_px: w * deviations[0], d_px: w * ratio_spread.hypot(ratio * deviations[0]) };
         ([w, ratio * w], spread, fields[CREASE], fields[LN_LIGHT].exp())
     };
     let (u, at, right) = curve.at(x);

@@ -259,7 +259,8 @@ fn eroded(window: &Window, marks: &[Mark], joined: &[bool]) -> Vec<usize> {
         .collect();
     let is_inner = |index: &usize| {
         let [x, y] = window.place(*index).map(|place| place as i64);
-        let is_paint = |[dx, dy]: &[i64; 2]| window.index([x + dx, y + dy]).is_some_and(|index| joined[index]);
+        let is_paint =
+            |[dx, dy]: &[i64; 2]| window.index([x + dx, y + dy]).is_some_and(|index| joined[index]);
         marks[*index] == Mark::Paint && joined[*index] && disk.iter().all(is_paint)
     };
     (0..marks.len()).filter(is_inner).collect()

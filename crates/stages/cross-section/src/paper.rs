@@ -119,8 +119,11 @@ pub(crate) fn fit(band: &Band, curve: &Curve, places: &[f64], params: &Params) -
     let half = *reaches.select_nth_unstable_by(middle, f64::total_cmp).1;
     let mut unknowns = vec![[(0.5 * half).max(1.5).ln(), -1.2]; places.len()];
     for _ in 0..ROUNDS {
-        let fixed: Vec<Frame> =
-            samples.iter().zip(&unknowns).map(|(samples, [width, _])| Frame::of(samples, 2.0 * width.exp())).collect();
+        let fixed: Vec<Frame> = samples
+            .iter()
+            .zip(&unknowns)
+            .map(|(samples, [width, _])| Frame::of(samples, 2.0 * width.exp()))
+            .collect();
         for _ in 0..STEPS {
             unknowns = step(&groove, &samples, &fixed, &unknowns);
         }
@@ -172,7 +175,8 @@ impl Frame {
         let reach = samples.iter().map(|[p, _]| p.abs()).fold(0.0, f64::max);
         let outer = outer.min(reach.max(1.0));
         let near = |p: f64| (0.7 * outer..=1.3 * outer).contains(&p.abs());
-        let mut lights: Vec<f64> = samples.iter().filter(|[p, _]| near(*p)).map(|[_, light]| *light).collect();
+        let mut lights: Vec<f64> =
+            samples.iter().filter(|[p, _]| near(*p)).map(|[_, light]| *light).collect();
         if lights.is_empty() {
             return Self { outer, ambient: 1.0 };
         }
@@ -310,7 +314,8 @@ mod tests {
 
     #[test]
     fn coupled_sections_are_solved_exactly() {
-        let (diagonal, right) = (vec![[5.0, 1.0, 6.0]; 4], vec![[1.0, 2.0], [0.0, -1.0], [3.0, 0.5], [1.0, 1.0]]);
+        let (diagonal, right) =
+            (vec![[5.0, 1.0, 6.0]; 4], vec![[1.0, 2.0], [0.0, -1.0], [3.0, 0.5], [1.0, 1.0]]);
         let coupling = [1.0, 0.5];
         let x = solve(&diagonal, &right, coupling);
         for at in 0..4 {

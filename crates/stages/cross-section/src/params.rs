@@ -54,10 +54,11 @@ impl Params {
     /// # Errors
     /// [`Error::Parameter`].
     pub fn check(&self) -> Result<(), Error> {
-        let within = |name, value: f64, range: std::ops::RangeInclusive<f64>, allowed| match range.contains(&value) {
-            true => Ok(()),
-            false => Err(Error::Parameter { name, value, allowed }),
-        };
+        let within =
+            |name, value: f64, range: std::ops::RangeInclusive<f64>, allowed| match range.contains(&value) {
+                true => Ok(()),
+                false => Err(Error::Parameter { name, value, allowed }),
+            };
         within("step-px", self.step_px, 0.5..=50.0, "it must lie between 0.5 and 50 px")?;
         within("reach-px", self.reach_px, 4.0..=400.0, "it must lie between 4 and 400 px")?;
         within("lens-blur-px", self.lens_blur_px, 0.0..=20.0, "it must lie between 0 and 20 px")?;

@@ -235,7 +235,8 @@ impl Lit {
         let [light, gain] = with_bounces(irradiance, groove.albedo);
         self.light[i] = light;
         for k in 0..SHAPE {
-            self.light_by[i][k] = gain * (by_right * right.by[k] + by_left * left.by[k] + by_slope * node.slope_by[k]);
+            self.light_by[i][k] =
+                gain * (by_right * right.by[k] + by_left * left.by[k] + by_slope * node.slope_by[k]);
         }
         self.light_by[i][SKEW] = gain * skew;
     }
@@ -291,7 +292,16 @@ mod tests {
     use super::*;
 
     fn groove() -> Groove {
-        Groove { w: 6.0, ratio: 0.4, epsilon: 0.25, kappa: 0.15, bend: 0.012, skew: 0.1, tilt: 0.3, albedo: 0.3 }
+        Groove {
+            w: 6.0,
+            ratio: 0.4,
+            epsilon: 0.25,
+            kappa: 0.15,
+            bend: 0.012,
+            skew: 0.1,
+            tilt: 0.3,
+            albedo: 0.3,
+        }
     }
 
     fn changed(groove: &Groove, parameter: usize, by: f64) -> Groove {
@@ -310,17 +320,28 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_differences() {
-        for (name, groove) in [("all", groove()), ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }), ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() })] {
+        for (name, groove) in [
+            ("all", groove()),
+            ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }),
+            ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }),
+        ] {
             let lit = Lit::of(&groove, &places());
             for parameter in 0..PARAMETERS {
                 let step = 1e-6;
-                let [less, more] = [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), &places()));
+                let [less, more] =
+                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), &places()));
                 for node in 0..NODES {
                     let light = (more.light[node] - less.light[node]) / (2.0 * step);
                     let at = (more.at[node] - less.at[node]) / (2.0 * step);
                     let (by, at_by) = (lit.light_by[node][parameter], lit.at_by[node][parameter]);
-                    assert!((light - by).abs() < 1e-4 * (1.0 + by.abs()), "{name} light {node} by {parameter}: {light} {by}");
-                    assert!((at - at_by).abs() < 1e-4 * (1.0 + at_by.abs()), "{name} at {node} by {parameter}: {at} {at_by}");
+                    assert!(
+                        (light - by).abs() < 1e-4 * (1.0 + by.abs()),
+                        "{name} light {node} by {parameter}: {light} {by}"
+                    );
+                    assert!(
+                        (at - at_by).abs() < 1e-4 * (1.0 + at_by.abs()),
+                        "{name} at {node} by {parameter}: {at} {at_by}"
+                    );
                 }
             }
         }

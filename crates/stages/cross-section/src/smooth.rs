@@ -44,7 +44,11 @@ fn terms(row: &Row, basis: &Basis, reach: f64) -> Vec<(usize, f64)> {
     }
     let across = row.p / reach;
     (0..=ORDER)
-        .flat_map(|power| along.iter().map(move |&(at, weight)| (at * (ORDER + 1) + power, weight * across.powi(power as i32))))
+        .flat_map(|power| {
+            along
+                .iter()
+                .map(move |&(at, weight)| (at * (ORDER + 1) + power, weight * across.powi(power as i32)))
+        })
         .collect()
 }
 

@@ -1,108 +1,50 @@
 //! `cross-section measure`.
 
-use super::footage::{Footage, Image, Source, check_take};
-use anyhow::bail;
+use super::footage::Image;
+use super::options::{Options, View};
 use artifact::{
-    Curve2d, FrameRange, FrameReader, FrameWriter, Profile, Section, SectionState, Sections, SectionsFrame, SectionsHeader,
-    Transfer, Wrinkles2d, Wrinkles2dFrame,
+    Curve2d, FrameRange, FrameWriter, Profile, Section, SectionState, Sections, SectionsFrame,
+    SectionsHeader, Wrinkles2dFrame,
 };
-use cross_section::{Model, Painted, Params, estimate_albedo, failed, measure, painted};
+use cross_section::{Model, Painted, Params, estimate_albedo, failed, is_subsampled, measure, painted};
 use rayon::prelude::*;
-use serde::Serialize;
 use stage::Run;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-/// Measures the sections of all wrinkles in all frames
+/// Measures the sections of all wrinkles in all images
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    source: Source,
-    /// Curves of the wrinkles (wrinkles-2d)
-    #[arg(long, value_name = "FILE")]
-    wrinkles: PathBuf,
-    /// Frames to measure [default: all]
-    #[arg(long = "range", value_name = "A-B", allow_hyphen_values = true)]
+    options: Options,
+    /// Frames to measure [default: all]; parts join to the whole
+    #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     range: Option<FrameRange>,
-    /// Fit the model exactly as the paper has it, instead of the extended one
-    #[arg(long, value_enum, default_value_t = Which::Extended)]
-    model: Which,
-    /// Distance of the sections along a wrinkle, px
-    #[arg(long, value_name = "PX", default_value_t = Params::default().step_px)]
-    step_px: f64,
-    /// How far from a curve paint is looked for, px
-    #[arg(long, value_name = "PX", default_value_t = Params::default().reach_px)]
-    reach_px: f64,
-    /// Blur of the lens, standard deviation in px
-    #[arg(long, value_name = "PX", default_value_t = Params::default().lens_blur_px)]
-    lens_blur_px: f64,
-    /// Share of the light that the paint's brightest channel throws back [default: estimated]
-    #[arg(long, value_name = "SHARE")]
-    albedo: Option<f64>,
-    /// Angle of the camera off the skin's normal across the wrinkles, degrees [default: fitted]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    tilt_deg: Option<f64>,
-    /// How much better than flat skin a valley must explain the image
-    #[arg(long, value_name = "GAIN", default_value_t = Params::default().gate)]
-    gate: f64,
     /// Sections to write (sections; - for standard output)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
 
-/// The models, as words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Which {
-    Paper,
-    Extended,
-}
-
-impl Arguments {
-    fn params(&self) -> Params {
-        Params {
-            model: if self.model == Which::Paper { Model::Paper } else { Model::Extended },
-            step_px: self.step_px,
-            reach_px: self.reach_px,
-            lens_blur_px: self.lens_blur_px,
-            albedo: self.albedo,
-            tilt_deg: self.tilt_deg,
-            gate: self.gate,
-        }
-    }
-}
-
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("measure");
-    let params = arguments.params();
-    params.check()?;
-    run.parameters(&params)?;
-    let footage = arguments.source.open(run)?;
-    let wrinkles = FrameReader::<Wrinkles2d>::open(&arguments.wrinkles)?;
-    run.input("wrinkles", &arguments.wrinkles)?;
-    let header = wrinkles.header().clone();
-    check_take(run, &arguments.wrinkles, header.take.as_ref(), footage.take.as_ref())?;
-    let known = footage.ids();
-    if let Some(id) = header.cameras.iter().find(|id| !known.contains(id)) {
-        bail!("{}: camera {id} has no images in {}", arguments.wrinkles.display(), footage.path().display());
-    }
+    let material = arguments.options.read(run)?;
+    let (params, views) = (&material.params, &material.views);
     let range = arguments.range.unwrap_or(FrameRange::ALL);
-    let frames = wrinkles.collect::<artifact::Result<Vec<_>>>()?;
-    let frames: Vec<Wrinkles2dFrame> = frames.into_iter().filter(|frame| range.contains(frame.frame)).collect();
-    let profile = if params.model == Model::Paper { Profile::S } else { Profile::Rounded };
+    let frames: Vec<&Wrinkles2dFrame> =
+        material.frames.iter().filter(|frame| range.contains(frame.frame)).collect();
     let header = SectionsHeader {
-        cameras: header.cameras,
-        wrinkles: header.wrinkles,
-        profile,
-        rate: header.rate,
-        take: footage.take.clone().or(header.take),
+        cameras: material.header.cameras.clone(),
+        wrinkles: material.header.wrinkles.clone(),
+        profile: if params.model == Model::Paper { Profile::S } else { Profile::Rounded },
+        rate: material.header.rate,
+        take: material.header.take.clone(),
     };
-    let views = views(&footage, &header.cameras)?;
     let mut progress = run.progress("measure", Some(frames.len() as u64));
     let mut tally = Tally::default();
     let mut writer = FrameWriter::<Sections>::create(&arguments.out, header)?;
-    for frame in &frames {
-        let measured = frame_sections(frame, &views, &params, &mut tally)?;
-        writer.write(&measured)?;
+    for frame in frames {
+        let sections = run.timed("frames", || frame_sections(frame, views, params, &mut tally))?;
+        writer.write(&sections)?;
         progress.step();
     }
     drop(progress);
@@ -110,24 +52,8 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.publish(vec![writer.finish()?])
 }
 
-/// A camera's images by frame.
-struct View {
-    transfer: Transfer,
-    size: [u32; 2],
-    images: BTreeMap<i64, PathBuf>,
-}
-
-fn views(footage: &Footage, cameras: &[String]) -> anyhow::Result<BTreeMap<String, View>> {
-    let view = |id: &String| {
-        let camera = footage.camera(id)?;
-        let images = footage.numbers().into_iter().zip(camera.paths);
-        let images = images.filter_map(|(number, path)| Some((number, path?))).collect();
-        Ok((id.clone(), View { transfer: camera.transfer, size: camera.size, images }))
-    };
-    cameras.iter().map(view).collect()
-}
-
-#[derive(Debug, Default, Serialize)]
+/// What became of everything.
+#[derive(Debug, Default)]
 struct Tally {
     images: usize,
     missing: Vec<String>,
@@ -140,6 +66,8 @@ struct Tally {
     black: usize,
     /// Sum over images.
     albedo: f64,
+    /// Cameras whose colours are stored at half size.
+    subsampled: BTreeSet<String>,
 }
 
 fn frame_sections(
@@ -157,6 +85,9 @@ fn frame_sections(
         };
         let image = Image::read(path, view.size)?;
         let picture = image.picture()?;
+        if is_subsampled(&picture) == Some(true) {
+            tally.subsampled.insert(camera.clone());
+        }
         let light = view.transfer.light_of_codes();
         let curves: Vec<(&String, &Curve2d)> = curves.iter().collect();
         let paints: Vec<Option<Painted>> =
@@ -209,7 +140,16 @@ impl Tally {
         if !self.missing.is_empty() {
             let first: Vec<&str> = self.missing.iter().take(5).map(String::as_str).collect();
             let more = if self.missing.len() > 5 { " …" } else { "" };
-            run.warn(format!("no image of {} frames that have curves: {}{more}", self.missing.len(), first.join(", ")));
+            run.warn(format!(
+                "no image of {} frames that have curves: {}{more}",
+                self.missing.len(),
+                first.join(", ")
+            ));
+        }
+        for camera in &self.subsampled {
+            run.warn(format!(
+                "camera {camera}: colours look as if they were stored at half the size of the image (4:2:0), which blurs valleys and the edges of paint; film or export without chroma subsampling"
+            ));
         }
         if self.saturated + self.black > 0 {
             run.warn(format!(

@@ -2,6 +2,8 @@
 
 mod footage;
 mod measure;
+mod options;
+mod show;
 
 use clap::{Parser, Subcommand};
 use stage::Run;
@@ -21,6 +23,7 @@ pub(crate) struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Measure(Box<measure::Arguments>),
+    Show(Box<show::Arguments>),
 }
 
 impl stage::Arguments for Arguments {
@@ -32,5 +35,6 @@ impl stage::Arguments for Arguments {
 pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Command::Measure(arguments) => measure::run(run, &arguments),
+        Command::Show(arguments) => show::run(run, &arguments),
     }
 }
