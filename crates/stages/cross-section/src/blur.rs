@@ -135,3 +135,39 @@ fn gauss(x: f64) -> (f64, f64) {
             + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
     (if x > 0.0 { 1.0 - tail } else { tail }, bell)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shading::{Groove, places};
+
+    #[test]
+    fn a_table_holds_the_blurred_light() {
+        let groove =
+            Groove { w: 5.0, ratio: 0.5, epsilon: 0.0, kappa: 0.1, bend: 0.0, skew: 0.0, tilt: 0.2, albedo: 0.0 };
+        let lit = Lit::of(&groove, &places());
+        let table = Table::of(&lit, 0.8, 15.0);
+        let sharp = |q: f64| {
+            let after = lit.at[..lit.count].partition_point(|at| *at < q).clamp(1, lit.count - 1);
+            let share = ((q - lit.at[after - 1]) / (lit.at[after] - lit.at[after - 1])).clamp(0.0, 1.0);
+            lit.light[after - 1] + share * (lit.light[after] - lit.light[after - 1])
+        };
+        for place in [-14.0, -3.3, -0.2, 0.0, 0.7, 6.1] {
+            let weights: Vec<(f64, f64)> = (-800..=800)
+                .map(|k| 0.005 * f64::from(k))
+                .map(|off| (off, (-0.5 * (off / 0.8_f64).powi(2)).exp()))
+                .collect();
+            let sum: f64 = weights.iter().map(|(_, weight)| weight).sum();
+            let wanted: f64 = weights.iter().map(|(off, weight)| weight / sum * sharp(place + off)).sum();
+            let (columns, _) = table.at(place);
+            assert!((columns[0] - wanted).abs() < 1e-3, "{place}: {} {wanted}", columns[0]);
+        }
+    }
+
+    #[test]
+    fn the_normal_distribution_is_right() {
+        for (x, area) in [(0.0, 0.5), (1.0, 0.841_344_746), (-2.0, 0.022_750_132), (7.0, 1.0)] {
+            assert!((gauss(x).0 - area).abs() < 1e-7);
+        }
+    }
+}

@@ -79,12 +79,12 @@ impl Curve {
     #[must_use]
     pub fn foot(&self, place: Vector2<f64>) -> Option<Foot> {
         let far = |knot: &Knot| (knot.at - place).norm_squared();
-        let (nearest, _) =
-            self.knots
-                .iter()
-                .enumerate()
-                .map(|(i, knot)| (i, far(knot)))
-                .reduce(|best, other| if other.1 < best.1 { other } else { best })?;
+        let (nearest, _) = self
+            .knots
+            .iter()
+            .enumerate()
+            .map(|(i, knot)| (i, far(knot)))
+            .reduce(|best, other| if other.1 < best.1 { other } else { best })?;
         let spans = (self.controls.len() - 3) as f64;
         let mut u = self.knots[nearest].u;
         for _ in 0..3 {

@@ -336,3 +336,54 @@ pub(crate) fn huber(residual: f64) -> (f64, f64) {
         false => (HUBER * (2.0 * off - HUBER), HUBER / off),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shading::places;
+
+    #[test]
+    fn the_gradient_is_that_of_differences() {
+        let rows: Vec<Row> = (0..400)
+            .map(|i| {
+                let (along, p) = (4.0 * f64::from(i) / 400.0, f64::from(i * 37 % 81) / 4.0 - 10.0);
+                let light = 1.0 - 0.4 * (-p.abs() / 4.0).exp();
+                Row { station: along as usize, share: along.fract(), p, light, weight: 1.0 }
+            })
+            .collect();
+        let nodes = places();
+        let mut problem = Problem {
+            rows: &rows,
+            bases: std::array::from_fn(|field| Basis::new(32.0, 12.0 + 6.0 * field as f64, 5)),
+            priors: vec![Prior { terms: vec![(0, 1.0), (1, -1.0)], mean: 0.1, deviation: 0.2 }],
+            free: [true; CONSTANTS],
+            flat: false,
+            blur: 0.75,
+            albedo: 0.2,
+            reach: 14.0,
+            noise: 0.5,
+            widest: 4.0,
+            places: &nodes,
+        };
+        let mut unknowns: Vec<f64> = (0..problem.count()).map(|k| 0.02 * ((k * 7 % 5) as f64 - 2.0)).collect();
+        for (field, value) in [(LN_WIDTH, 1.6), (LN_RATIO, -0.9)] {
+            let first = problem.first(field);
+            unknowns[first..first + problem.bases[field].count].iter_mut().for_each(|x| *x += value);
+        }
+        let first = problem.first(FIELDS);
+        unknowns[first..].copy_from_slice(&[0.3, 0.1, -0.1, 0.25]);
+        let gradient = problem.normal(&unknowns).1.gradient;
+        for k in 0..unknowns.len() {
+            let cost = |by: f64| {
+                let mut moved = unknowns.clone();
+                moved[k] += by;
+                problem.normal(&moved).0
+            };
+            let difference = (cost(1e-5) - cost(-1e-5)) / 2e-5;
+            let found = -2.0 * gradient[k];
+            assert!((found - difference).abs() < 1e-3 * (1.0 + difference.abs()), "{k}: {found} {difference}");
+        }
+        problem.free[ROUND] = false;
+        assert_eq!(problem.normal(&unknowns).1.gradient[first + ROUND], 0.0);
+    }
+}

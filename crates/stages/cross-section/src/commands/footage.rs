@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail};
 use artifact::picture::{Rgb, read_rgb};
-use artifact::{FrameReader, Frames, Rate, SyncFrame, Take, TakeCamera, TakeRef, TimeBase, Transfer};
+use artifact::{FrameReader, Frames, SyncFrame, Take, TakeCamera, TakeRef, TimeBase, Transfer};
 use cross_section::Picture;
 use stage::Run;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,6 @@ pub(crate) struct Footage {
     folder: PathBuf,
     kind: Kind,
     path: PathBuf,
-    pub(crate) rate: Rate,
     pub(crate) take: Option<TakeRef>,
     /// All mocap frames, rising.
     frames: Vec<SyncFrame>,
@@ -70,7 +69,7 @@ impl Source {
         check_take(run, &self.sync, header.take.as_ref(), take.as_ref())?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let take = take.or(header.take);
-        Ok(Footage { folder, kind, path: path.clone(), rate: header.rate, take, frames })
+        Ok(Footage { folder, kind, path: path.clone(), take, frames })
     }
 }
 

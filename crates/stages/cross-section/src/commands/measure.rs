@@ -3,11 +3,10 @@
 use super::footage::Image;
 use super::options::{Options, View};
 use artifact::{
-    Curve2d, FrameRange, FrameWriter, Profile, Section, SectionState, Sections, SectionsFrame,
-    SectionsHeader, Wrinkles2dFrame,
+    Curve2d, FrameRange, FrameWriter, Profile, SectionState, Sections, SectionsFrame, SectionsHeader,
+    Wrinkles2dFrame,
 };
-use cross_section::{Model, Painted, Params, estimate_albedo, failed, is_subsampled, measure, painted};
-use rayon::prelude::*;
+use cross_section::{ImageSections, ImageWrinkle, Model, Params, is_subsampled};
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -43,7 +42,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let mut tally = Tally::default();
     let mut writer = FrameWriter::<Sections>::create(&arguments.out, header)?;
     for frame in frames {
-        let sections = run.timed("frames", || frame_sections(frame, views, params, &mut tally))?;
+        let sections = frame_sections(run, frame, views, params, &mut tally)?;
         writer.write(&sections)?;
         progress.step();
     }
@@ -71,6 +70,7 @@ struct Tally {
 }
 
 fn frame_sections(
+    run: &mut Run,
     frame: &Wrinkles2dFrame,
     views: &BTreeMap<String, View>,
     params: &Params,
@@ -83,48 +83,38 @@ fn frame_sections(
             tally.missing.push(format!("{} of camera {camera}", frame.frame));
             continue;
         };
-        let image = Image::read(path, view.size)?;
+        let image = run.timed("decode", || Image::read(path, view.size))?;
         let picture = image.picture()?;
         if is_subsampled(&picture) == Some(true) {
             tally.subsampled.insert(camera.clone());
         }
         let light = view.transfer.light_of_codes();
-        let curves: Vec<(&String, &Curve2d)> = curves.iter().collect();
-        let paints: Vec<Option<Painted>> =
-            curves.par_iter().map(|(_, curve)| painted(&picture, &light, curve, params)).collect();
-        let bands = paints.iter().flatten().map(|painted| &painted.band);
-        tally.saturated += bands.clone().map(|band| band.saturated).sum::<usize>();
-        tally.black += bands.clone().map(|band| band.black).sum::<usize>();
-        let albedo = params.albedo.unwrap_or_else(|| estimate_albedo(bands));
-        let found: Vec<Vec<Section>> = curves
-            .par_iter()
-            .zip(&paints)
-            .map(|((_, curve), paint)| match paint {
-                Some(paint) => measure(paint, params, albedo).sections,
-                None => failed(curve, params),
-            })
-            .collect();
-        tally.images += 1;
-        tally.albedo += albedo;
-        let mut by_wrinkle = BTreeMap::new();
-        for ((id, _), found) in curves.into_iter().zip(found) {
-            tally.add(&found);
-            by_wrinkle.insert(id.clone(), found);
-        }
-        sections.insert(camera.clone(), by_wrinkle);
+        let paths: Vec<&Curve2d> = curves.values().collect();
+        let found = run.timed("fit", || ImageSections::of(&picture, &light, &paths, params));
+        tally.add(&found);
+        let by_wrinkle =
+            curves.keys().cloned().zip(found.wrinkles.into_iter().map(|wrinkle| wrinkle.sections));
+        sections.insert(camera.clone(), by_wrinkle.collect());
     }
     Ok(SectionsFrame { frame: frame.frame, sections })
 }
 
 impl Tally {
-    fn add(&mut self, sections: &[Section]) {
-        let count = |state: SectionState| sections.iter().filter(|section| section.state == state).count();
-        self.wrinkles += 1;
-        self.sections += sections.len();
-        self.measured += count(SectionState::Measured);
-        let failed = count(SectionState::Failed) == sections.len();
-        self.failed += usize::from(failed);
-        self.flat += usize::from(!failed && count(SectionState::Measured) == 0);
+    fn add(&mut self, image: &ImageSections) {
+        self.images += 1;
+        self.albedo += image.albedo;
+        let [saturated, black] = image.clipped();
+        (self.saturated, self.black) = (self.saturated + saturated, self.black + black);
+        for ImageWrinkle { sections, .. } in &image.wrinkles {
+            let count =
+                |state: SectionState| sections.iter().filter(|section| section.state == state).count();
+            self.wrinkles += 1;
+            self.sections += sections.len();
+            self.measured += count(SectionState::Measured);
+            let failed = count(SectionState::Failed) == sections.len();
+            self.failed += usize::from(failed);
+            self.flat += usize::from(!failed && count(SectionState::Measured) == 0);
+        }
     }
 
     fn report(&self, run: &mut Run) {

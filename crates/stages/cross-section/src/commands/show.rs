@@ -5,8 +5,8 @@ use super::options::Options;
 use anyhow::bail;
 use artifact::canvas::{Canvas, Color};
 use artifact::picture::write_rgb8;
-use artifact::{Section, SectionState};
-use cross_section::{Measured, Painted, estimate_albedo, measure, painted};
+use artifact::{Curve2d, Section, SectionState};
+use cross_section::{ImageSections, Measured, Painted};
 use stage::Run;
 use std::path::PathBuf;
 
@@ -70,21 +70,19 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let image = Image::read(path, view.size)?;
     let picture = image.picture()?;
     let light = view.transfer.light_of_codes();
-    let paints = curves.iter().filter_map(|(id, curve)| {
-        painted(&picture, &light, curve, &material.params).map(|painted| (id.clone(), painted))
+    let paths: Vec<&Curve2d> = curves.values().collect();
+    let found = ImageSections::of(&picture, &light, &paths, &material.params);
+    let albedo = found.albedo;
+    let all: Vec<Section> = found.wrinkles.iter().flat_map(|wrinkle| &wrinkle.sections).copied().collect();
+    let shown = curves.keys().zip(found.wrinkles).filter_map(|(id, wrinkle)| {
+        let (painted, measured) = wrinkle.paint?;
+        Some(Shown { id: id.clone(), painted, measured })
     });
-    let paints: Vec<(String, Painted)> = paints.collect();
-    let estimate = || estimate_albedo(paints.iter().map(|(_, painted)| &painted.band));
-    let albedo = material.params.albedo.unwrap_or_else(estimate);
-    let show = |(id, painted): (String, Painted)| {
-        let measured = measure(&painted, &material.params, albedo);
-        Shown { id, painted, measured }
-    };
-    let shown: Vec<Shown> = paints.into_iter().map(show).collect();
+    let shown: Vec<Shown> = shown.collect();
     let mut outputs = Vec::new();
     if let Some(path) = &arguments.out {
         let mut canvas = enlarged(&picture, arguments.scale.into())?;
-        for section in shown.iter().flat_map(|shown| &shown.measured.sections) {
+        for section in &all {
             draw_section(&mut canvas, section, arguments.scale.into());
         }
         outputs.push(write_rgb8(path, canvas.width, canvas.height, &canvas.rgb)?);
