@@ -143,8 +143,16 @@ mod tests {
 
     #[test]
     fn a_table_holds_the_blurred_light() {
-        let groove =
-            Groove { w: 5.0, ratio: 0.5, epsilon: 0.0, kappa: 0.1, bend: 0.0, skew: 0.0, tilt: 0.2, albedo: 0.0 };
+        let groove = Groove {
+            w: 5.0,
+            ratio: 0.5,
+            epsilon: 0.0,
+            kappa: 0.1,
+            bend: 0.0,
+            skew: 0.0,
+            tilt: 0.2,
+            albedo: 0.0,
+        };
         let lit = Lit::of(&groove, &places());
         let table = Table::of(&lit, 0.8, 15.0);
         let sharp = |q: f64| {

@@ -7,7 +7,7 @@ use crate::problem::{
     CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
 use crate::shading::{NODES, places};
-use crate::smooth::smooth_costs;
+use crate::smooth::smooth_cost;
 use crate::spline::Basis;
 
 /// Distance of the stations at which the model is computed, px.
@@ -355,7 +355,7 @@ impl<'a> Plan<'a> {
             (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
         let costs = problem.costs(unknowns);
         let flat_costs = flat.costs(&flat_best.unknowns);
-        let smooth = smooth_costs(&self.rows, self.length, self.stations, problem.noise);
+        let smooth = smooth_cost(&self.rows, self.length, self.stations, problem.noise);
         let gains: Vec<f64> = flat_costs.iter().zip(&costs).map(|(flat, cost)| flat - cost).collect();
         let mut model = vec![0.0; band.pixels.len()];
         let mut squares = vec![[0.0f64; 2]; self.stations];
@@ -373,7 +373,7 @@ impl<'a> Plan<'a> {
             fields,
             deviations,
             constants: std::array::from_fn(|k| constants[k]),
-            gain: smooth.iter().sum::<f64>().min(flat_costs.iter().sum()) - costs.iter().sum::<f64>(),
+            gain: smooth - costs.iter().sum::<f64>(),
             gains,
             misfits,
             spacing: self.length / (self.stations - 1) as f64,

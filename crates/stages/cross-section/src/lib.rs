@@ -47,6 +47,7 @@ mod profile;
 mod shading;
 mod smooth;
 mod spline;
+mod steady;
 
 pub use albedo::estimate_albedo;
 pub use chroma::is_subsampled;
@@ -59,3 +60,4 @@ pub use paper::{SharpFit, SharpGroove};
 pub use params::{Model, Params};
 pub use picture::Picture;
 pub use profile::Profile;
+pub use steady::steadied;

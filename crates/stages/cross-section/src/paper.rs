@@ -318,7 +318,7 @@ mod tests {
             (vec![[5.0, 1.0, 6.0]; 4], vec![[1.0, 2.0], [0.0, -1.0], [3.0, 0.5], [1.0, 1.0]]);
         let coupling = [1.0, 0.5];
         let x = solve(&diagonal, &right, coupling);
-        for at in 0..4 {
+        for at in 0..4usize {
             let beside = |other: Option<&Pair>, k: usize| other.map_or(0.0, |other| coupling[k] * other[k]);
             let before = at.checked_sub(1).and_then(|at| x.get(at));
             let a = 5.0 * x[at][0] + x[at][1] - beside(before, 0) - beside(x.get(at + 1), 0);

@@ -365,7 +365,8 @@ mod tests {
             widest: 4.0,
             places: &nodes,
         };
-        let mut unknowns: Vec<f64> = (0..problem.count()).map(|k| 0.02 * ((k * 7 % 5) as f64 - 2.0)).collect();
+        let mut unknowns: Vec<f64> =
+            (0..problem.count()).map(|k| 0.02 * ((k * 7 % 5) as f64 - 2.0)).collect();
         for (field, value) in [(LN_WIDTH, 1.6), (LN_RATIO, -0.9)] {
             let first = problem.first(field);
             unknowns[first..first + problem.bases[field].count].iter_mut().for_each(|x| *x += value);
@@ -381,7 +382,10 @@ mod tests {
             };
             let difference = (cost(1e-5) - cost(-1e-5)) / 2e-5;
             let found = -2.0 * gradient[k];
-            assert!((found - difference).abs() < 1e-3 * (1.0 + difference.abs()), "{k}: {found} {difference}");
+            assert!(
+                (found - difference).abs() < 1e-3 * (1.0 + difference.abs()),
+                "{k}: {found} {difference}"
+            );
         }
         problem.free[ROUND] = false;
         assert_eq!(problem.normal(&unknowns).1.gradient[first + ROUND], 0.0);

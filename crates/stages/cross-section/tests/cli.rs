@@ -146,6 +146,19 @@ fn threads_and_parts_change_no_byte() {
 }
 
 #[test]
+fn smoothed_parts_join_to_the_smoothed_whole() {
+    let folder = take();
+    let rows = |range: &str| {
+        assert!(
+            call(&folder, &[&MEASURE[..], &["--smooth", "1", "--range", range]].concat()).status.success()
+        );
+        let text = std::fs::read_to_string(folder.path().join("sections.jsonl")).unwrap();
+        text.lines().skip(1).map(String::from).collect::<Vec<_>>()
+    };
+    assert_eq!(rows("1001-1009"), [rows("1001-1005"), rows("1006-1009")].concat());
+}
+
+#[test]
 fn a_missing_image_is_a_gap_with_a_warning() {
     let folder = take();
     write_sync(folder.path(), Some(1005));

@@ -6,9 +6,10 @@ use artifact::{
     Curve2d, FrameRange, FrameWriter, Profile, SectionState, Sections, SectionsFrame, SectionsHeader,
     Wrinkles2dFrame,
 };
-use cross_section::{ImageSections, ImageWrinkle, Model, Params, is_subsampled};
+use cross_section::{ImageSections, ImageWrinkle, Model, Params, is_subsampled, steadied};
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Measures the sections of all wrinkles in all images
@@ -19,6 +20,9 @@ pub(crate) struct Arguments {
     /// Frames to measure [default: all]; parts join to the whole
     #[arg(long, value_name = "A-B", allow_hyphen_values = true)]
     range: Option<FrameRange>,
+    /// Smooth widths and depths over so many images to both sides; 0 is none
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=50))]
+    smooth: u8,
     /// Sections to write (sections; - for standard output)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -29,8 +33,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let material = arguments.options.read(run)?;
     let (params, views) = (&material.params, &material.views);
     let range = arguments.range.unwrap_or(FrameRange::ALL);
-    let frames: Vec<&Wrinkles2dFrame> =
-        material.frames.iter().filter(|frame| range.contains(frame.frame)).collect();
+    let reach = usize::from(arguments.smooth);
+    let (wanted, halo) = span(&material.frames, range, reach);
+    let frames = &material.frames[halo.clone()];
     let header = SectionsHeader {
         cameras: material.header.cameras.clone(),
         wrinkles: material.header.wrinkles.clone(),
@@ -41,14 +46,26 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let mut progress = run.progress("measure", Some(frames.len() as u64));
     let mut tally = Tally::default();
     let mut writer = FrameWriter::<Sections>::create(&arguments.out, header)?;
+    let mut all: Vec<SectionsFrame> = Vec::with_capacity(frames.len());
     for frame in frames {
-        let sections = frame_sections(run, frame, views, params, &mut tally)?;
-        writer.write(&sections)?;
+        all.push(frame_sections(run, frame, views, params, &mut tally)?);
         progress.step();
+    }
+    for at in wanted.start - halo.start..wanted.end - halo.start {
+        let is_smooth = reach > 0;
+        writer.write(&if is_smooth { steadied(&all, at, reach) } else { all[at].clone() })?;
     }
     drop(progress);
     tally.report(run);
     run.publish(vec![writer.finish()?])
+}
+
+/// The frames of a range, and those that smoothing looks at beside them: so many to both sides, so that parts join to the whole.
+fn span(frames: &[Wrinkles2dFrame], range: FrameRange, reach: usize) -> (Range<usize>, Range<usize>) {
+    let inside = |frame: &Wrinkles2dFrame| range.contains(frame.frame);
+    let first = frames.iter().position(inside).unwrap_or(0);
+    let end = frames.iter().rposition(inside).map_or(first, |last| last + 1);
+    (first..end, first.saturating_sub(reach)..(end + reach).min(frames.len()))
 }
 
 /// What became of everything.

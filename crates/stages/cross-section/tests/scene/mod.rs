@@ -7,28 +7,28 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Width, height of the pictures, px.
-pub const SIZE: [usize; 2] = [160, 96];
+pub(crate) const SIZE: [usize; 2] = [160, 96];
 const PAINT: [f64; 3] = [0.05, 0.34, 0.1];
 const SKIN: [f64; 3] = [0.55, 0.36, 0.27];
 
 /// A groove along a gently bent line, and how it is filmed.
 #[derive(Debug, Clone, Copy)]
-pub struct Scene {
-    pub w: f64,
-    pub ratio: f64,
-    pub epsilon: f64,
-    pub kappa: f64,
+pub(crate) struct Scene {
+    pub(crate) w: f64,
+    pub(crate) ratio: f64,
+    pub(crate) epsilon: f64,
+    pub(crate) kappa: f64,
     /// Tangent of the view's tilt, towards p > 0.
-    pub tilt: f64,
+    pub(crate) tilt: f64,
     /// `L = 1 + g ω_p`.
-    pub skew: f64,
+    pub(crate) skew: f64,
     /// How far the paint reaches to both sides, px.
-    pub paint: [f64; 2],
+    pub(crate) paint: [f64; 2],
     /// Share of the light on open paint.
-    pub exposure: f64,
-    pub noise: f64,
+    pub(crate) exposure: f64,
+    pub(crate) noise: f64,
     /// How far the curve that is handed over lies off the crease, px.
-    pub off: f64,
+    pub(crate) off: f64,
 }
 
 impl Default for Scene {
@@ -101,7 +101,7 @@ impl Scene {
     }
 
     /// The picture, in sRGB codes.
-    pub fn picture(&self, seed: u64) -> Vec<u8> {
+    pub(crate) fn picture(&self, seed: u64) -> Vec<u8> {
         let light = self.light();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut rgb = Vec::with_capacity(3 * SIZE[0] * SIZE[1]);
@@ -124,7 +124,7 @@ impl Scene {
     }
 
     /// The curve along the crease, shifted by `off`.
-    pub fn curve(&self) -> Curve2d {
+    pub(crate) fn curve(&self) -> Curve2d {
         let control = |i: i32| {
             let x = 8.0 + 10.0 * f64::from(i);
             [x, line(x) + self.off]
