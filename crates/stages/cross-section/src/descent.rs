@@ -9,7 +9,7 @@ pub(crate) struct Minimum {
     pub(crate) cost: f64,
 }
 
-/// Steps down from a start until the cost falls by less than `least`, at most `steps` times [Levenberg1944; Marquardt1963].
+/// Steps down from a start until the cost falls by less than `least`, at most `steps` times.
 pub(crate) fn descend(problem: &Problem<'_>, start: &[f64], steps: usize, least: f64) -> Minimum {
     let mut at = start.to_vec();
     problem.clamp(&mut at);

@@ -33,6 +33,9 @@ const BEND_SPREAD: f64 = 0.03;
 const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.3], [0.0, 0.12], [0.0, 0.06], [0.0, 0.3]];
 /// The first curve is off the crease by so much, px.
 const CREASE_SPREAD: f64 = 2.0;
+/// … and never by more than this, px, and this share of how far the paint reaches.
+const ASIDE_PX: f64 = 2.5;
+const ASIDE: f64 = 0.3;
 /// Neighbouring pixels share texture and misfit: so many of them count as one.
 const CORRELATED: f64 = 3.0;
 /// Noise as share of the light on open paint: at first, and the least.
@@ -197,6 +200,7 @@ impl<'a> Plan<'a> {
             albedo: self.albedo,
             reach: self.reach,
             noise: NOISE[0] * CORRELATED.sqrt(),
+            aside: ASIDE_PX + ASIDE * PAINT_WIDTHS * self.ln_width.exp(),
             widest: self.ln_width + WIDEST.ln(),
             places: &self.places,
         }

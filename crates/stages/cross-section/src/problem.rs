@@ -83,6 +83,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) reach: f64,
     /// Deviation of a pixel, after the correlation of neighbours.
     pub(crate) noise: f64,
+    /// How far the crease may lie off the curve, px.
+    pub(crate) aside: f64,
     /// ln of the largest width.
     pub(crate) widest: f64,
     pub(crate) places: &'a [f64; NODES],
@@ -121,9 +123,11 @@ impl Problem<'_> {
     pub(crate) fn clamp(&self, unknowns: &mut [f64]) {
         for field in 0..FIELDS {
             let first = self.first(field);
-            let [low, mut high] = BOUNDS[field];
-            if field == LN_WIDTH {
-                high = high.min(self.widest);
+            let [mut low, mut high] = BOUNDS[field];
+            match field {
+                LN_WIDTH => high = high.min(self.widest),
+                CREASE => (low, high) = (-self.aside, self.aside),
+                _ => {}
             }
             unknowns[first..first + self.bases[field].count].iter_mut().for_each(|x| *x = x.clamp(low, high));
         }
@@ -362,6 +366,7 @@ mod tests {
             albedo: 0.2,
             reach: 14.0,
             noise: 0.5,
+            aside: 9.0,
             widest: 4.0,
             places: &nodes,
         };

@@ -23,12 +23,16 @@ fn take_of(name: &str) -> TakeRef {
 }
 
 fn write_frames(folder: &Path, transfer: &str, take: Option<TakeRef>) {
+    write_frames_of(folder, transfer, take, &FRAMES);
+}
+
+fn write_frames_of(folder: &Path, transfer: &str, take: Option<TakeRef>, numbers: &[i64]) {
     let camera = CameraFrames {
         images: "w1/{frame:06}.png".into(),
         image_size: SIZE.map(|side| side as u32),
         transfer: transfer.into(),
         bit_depth: 8,
-        frames: FrameRun::runs(&FRAMES),
+        frames: FrameRun::runs(numbers),
     };
     let frames = Frames { take, cameras: [("w1".to_string(), camera)].into() };
     write_document(&folder.join("frames.json"), &frames).unwrap().publish().unwrap();
@@ -161,6 +165,7 @@ fn smoothed_parts_join_to_the_smoothed_whole() {
 #[test]
 fn a_missing_image_is_a_gap_with_a_warning() {
     let folder = take();
+    write_frames_of(folder.path(), "srgb", None, &[1001, 1009]);
     write_sync(folder.path(), Some(1005));
     let output = call(&folder, &MEASURE);
     assert!(output.status.success() && said(&output).contains("1005 of camera w1"), "{}", said(&output));
