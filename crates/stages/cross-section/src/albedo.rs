@@ -1,7 +1,6 @@
 //! How much light the paint throws back onto itself, told by its channels.
 
 use crate::paint::Band;
-use crate::shading::with_bounces;
 
 /// Deviation of the log-ratio of a pixel's channels.
 const NOISE: f64 = 0.05;
@@ -10,7 +9,7 @@ const SPREAD: f64 = 0.3;
 /// No paint throws back more.
 const MOST: f64 = 0.8;
 /// Rounds: how much sky a point sees follows from its brightness once the albedo is known.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 12;
 
 /// The share of the light that the brightest channel of these paints throws back.
 ///
@@ -42,13 +41,14 @@ pub(crate) fn combined_albedo(band: &Band, albedo: f64) -> f64 {
 /// Sums of a regression of the channels' log-ratio on what they should drift by for an albedo of one: products and squares.
 fn drift(band: &Band, albedo: f64) -> [f64; 2] {
     let (most, least) = extremes(&band.color);
-    let contrast = 1.0 - least / most;
     let own = combined_albedo(band, albedo);
     let count = band.pixels.len() as f64;
-    // E from B = E / (1 − ρ (1 − E)).
+    let scale = albedo.max(0.05);
+    // E from B = E / (1 − ρ (1 − E)); the drift of ln B from channel to channel, per unit of albedo.
     let hidden = |light: f64| {
-        let seen = light.clamp(0.0, 1.0) * (1.0 - own) / (1.0 - own * light.clamp(0.0, 1.0));
-        contrast * (1.0 - seen) * with_bounces(seen, albedo)[0] / seen.max(0.05)
+        let light = light.clamp(0.0, 1.0);
+        let hidden = 1.0 - light * (1.0 - own) / (1.0 - own * light);
+        ((1.0 - scale * least / most * hidden) / (1.0 - scale * hidden)).ln() / scale
     };
     let points = || band.pixels.iter().map(|pixel| [hidden(pixel.light), pixel.ratio]);
     let mean = points().fold([0.0; 2], |sum, [x, y]| [sum[0] + x / count, sum[1] + y / count]);
@@ -69,6 +69,7 @@ pub(crate) fn extremes(color: &[f64; 3]) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::paint::Pixel;
+    use crate::shading::with_bounces;
 
     fn painted(albedo: f64) -> Band {
         let color = [0.05, 0.35, 0.1];

@@ -11,7 +11,7 @@ use crate::smooth::smooth_cost;
 use crate::spline::Basis;
 
 /// Distance of the stations at which the model is computed, px.
-const STATION_PX: f64 = 8.0;
+const STATION_PX: f64 = 10.0;
 /// Distances of the splines' knots, px: ln w, ln(d/w), crease, ln of the light, its rise, curvature of the surroundings.
 const KNOTS_PX: [f64; FIELDS] = [50.0, 28.0, 16.0, 40.0, 60.0, 60.0];
 /// Deviations of the differences of neighbouring coefficients: of these fields first ones, of the crease second ones, px.
@@ -79,6 +79,9 @@ const STARTS: [[f64; 3]; 8] = [
     [0.75, 0.5, -1.0],
 ];
 
+/// Creases so many widths apart are two.
+const ELSEWHERE: f64 = 0.25;
+
 /// The best groove that is the same everywhere.
 struct First {
     /// ln w, ln(d/w), ε.
@@ -112,15 +115,12 @@ impl Fit {
         let creases = ridge(&plan);
         let mut flat = plan.problem(true);
         let base = plan.start(&flat, &creases, &[plan.ln_width, RATIO.ln(), 0.4]);
-        let first = plan.first(&creases)?;
         let mut problem = plan.problem(false);
-        let creases: Vec<f64> = creases.iter().map(|crease| crease + first.crease).collect();
-        let mut start = plan.start(&problem, &creases, &first.groove);
-        let at = problem.first(FIELDS) + TILTED;
-        if problem.free[TILTED] {
-            start[at] = first.tilt;
-        }
-        let mut best = descend(&problem, &start, 12, 0.5);
+        let tried = plan.firsts(&creases).into_iter().map(|first| {
+            let start = plan.moved_start(&problem, &creases, &first);
+            descend(&problem, &start, 10, 0.5)
+        });
+        let mut best = tried.reduce(|best, other| if other.cost < best.cost { other } else { best })?;
         let noise = plan.noise(&problem, &best);
         (problem.noise, flat.noise) = (noise, noise);
         best = descend(&problem, &best.unknowns, 15, 0.05);
@@ -263,34 +263,45 @@ impl<'a> Plan<'a> {
         unknowns
     }
 
-    /// The best groove that is the same everywhere, from several starts: ln w, ln(d/w), ε.
-    fn first(&self, creases: &[f64]) -> Option<First> {
+    /// Unknowns with a groove everywhere, its crease beside the ridge.
+    fn moved_start(&self, problem: &Problem<'_>, creases: &[f64], first: &First) -> Vec<f64> {
+        let creases: Vec<f64> = creases.iter().map(|crease| crease + first.crease).collect();
+        let mut start = self.start(problem, &creases, &first.groove);
+        if problem.free[TILTED] {
+            start[problem.first(FIELDS) + TILTED] = first.tilt;
+        }
+        start
+    }
+
+    /// The best groove that is the same everywhere, from several starts; and the best one whose crease lies elsewhere.
+    fn firsts(&self, creases: &[f64]) -> Vec<First> {
         let rows = self.collapsed(creases);
         let bases = std::array::from_fn(|_| Basis::constant(2));
         let mut problem = self.bare(&rows, bases, false);
         problem.priors = self.priors(&problem);
-        let mut best: Option<Minimum> = None;
-        for [width, epsilon, side] in STARTS {
+        let crease = problem.first(CREASE);
+        let descended = STARTS.map(|[width, epsilon, side]| {
             let ln_width = self.ln_width + f64::ln(width);
             let mut start = self.start(&problem, &[0.0; 2], &[ln_width, RATIO.ln(), epsilon]);
-            let first = problem.first(FIELDS);
-            start[problem.first(CREASE)] = 0.4 * side * ln_width.exp();
+            start[crease] = 0.4 * side * ln_width.exp();
             if problem.free[TILTED] {
-                start[first + TILTED] = 0.5 * side;
+                start[problem.first(FIELDS) + TILTED] = 0.5 * side;
             }
-            let found = descend(&problem, &start, 10, 1.0);
-            if best.as_ref().is_none_or(|best| found.cost < best.cost) {
-                best = Some(found);
-            }
-        }
-        best.map(|best| (problem.first(CREASE), best)).map(|(crease, best)| {
+            descend(&problem, &start, 10, 1.0)
+        });
+        let mut sorted: Vec<Minimum> = descended.into_iter().collect();
+        sorted.sort_by(|one, other| one.cost.total_cmp(&other.cost));
+        let apart = |one: &Minimum, other: &Minimum| {
+            (one.unknowns[crease] - other.unknowns[crease]).abs() > ELSEWHERE * one.unknowns[LN_WIDTH].exp()
+        };
+        let other = sorted.iter().position(|other| apart(&sorted[0], other));
+        let found = [Some(0), other].into_iter().flatten().map(|at| &sorted[at]);
+        let first = |best: &Minimum| {
             let constants = problem.constants(&best.unknowns);
-            First {
-                groove: [best.unknowns[0], best.unknowns[1], constants[ROUND]],
-                crease: best.unknowns[crease],
-                tilt: constants[TILTED],
-            }
-        })
+            let groove = [best.unknowns[0], best.unknowns[1], constants[ROUND]];
+            First { groove, crease: best.unknowns[crease], tilt: constants[TILTED] }
+        };
+        found.map(first).collect()
     }
 
     /// The mean light by distance from the ridge, in steps of half a pixel.

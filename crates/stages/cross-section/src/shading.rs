@@ -7,7 +7,7 @@ use crate::profile::steepness_of_scale;
 use std::f64::consts::PI;
 
 /// Nodes across a groove.
-pub(crate) const NODES: usize = 80;
+pub(crate) const NODES: usize = 64;
 /// The outermost node, in width scales.
 const REACH: f64 = 6.5;
 /// How much closer nodes lie at the crease.

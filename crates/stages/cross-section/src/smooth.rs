@@ -10,7 +10,7 @@ pub(crate) const ORDER: usize = 3;
 const KNOTS_PX: f64 = 40.0;
 /// Deviation of what bends the light across the paint, at the paint's edge, as share of the light: what a face, a nose and a sky do within
 /// a centimetre. Deeper dips are valleys.
-const BEND: f64 = 0.05;
+const BEND: f64 = 0.08;
 /// Powers of the distance from here on bend the light.
 const FIRST_BEND: usize = 2;
 /// Steps of reweighting.
