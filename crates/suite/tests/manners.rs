@@ -93,7 +93,20 @@ const CALLS: &[(&str, &[&str])] = &[
     ("calibrate", &["wand", STREAM, "--scale", "800", "--out", "out.json"]),
     ("calibrate", &["doctor", DOCUMENT, "--tracks", STREAM]),
     ("marker-track", &["label", "missing-input.csv", "--out", "out.json"]),
-    ("cross-section", &["measure", "--frames", "missing-input.json", "--sync", STREAM, "--wrinkles", STREAM, "--out", "out.jsonl"]),
+    (
+        "cross-section",
+        &[
+            "measure",
+            "--frames",
+            "missing-input.json",
+            "--sync",
+            STREAM,
+            "--wrinkles",
+            STREAM,
+            "--out",
+            "out.jsonl",
+        ],
+    ),
     // `house new-stage` adds here
 ];
 

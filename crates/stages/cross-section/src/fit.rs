@@ -58,6 +58,8 @@ pub(crate) struct Fit {
     pub(crate) gain: f64,
     /// Root mean square misfit per station, as share of the light on open paint.
     pub(crate) misfits: Vec<f64>,
+    /// How far the paint reaches to both sides, px.
+    pub(crate) half_width: f64,
     /// Distance of stations, px.
     pub(crate) spacing: f64,
     /// Per pixel of the band the model's light.
@@ -391,6 +393,7 @@ impl<'a> Plan<'a> {
             gain: smooth - costs.iter().sum::<f64>(),
             gains,
             misfits,
+            half_width: PAINT_WIDTHS * self.ln_width.exp(),
             spacing: self.length / (self.stations - 1) as f64,
             model,
         }

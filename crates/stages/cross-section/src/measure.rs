@@ -15,6 +15,8 @@ use nalgebra::Vector2;
 const LOCAL_PX: f64 = 20.0;
 /// … by this share of the gate.
 const LOCAL_GATE: f64 = 0.75;
+/// Paint that reaches less far to both sides, px, does not show whether it is flat.
+const NARROW_PX: f64 = 6.5;
 /// A section needs paint within so many px along the curve.
 const GAP_PX: f64 = 5.0;
 
@@ -156,6 +158,8 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
     let station = ((x / fit.spacing) as usize).min(fit.misfits.len().saturating_sub(2));
     let state = match () {
         () if !is_covered => SectionState::Failed,
+        // Too little is seen to say that there is no valley.
+        () if fit.gain < params.gate && fit.half_width < NARROW_PX => SectionState::Failed,
         () if fit.gain < params.gate || local_gain(fit, x) < LOCAL_GATE * params.gate => SectionState::Flat,
         () => SectionState::Measured,
     };
