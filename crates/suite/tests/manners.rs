@@ -116,6 +116,20 @@ const CALLS: &[(&str, &[&str])] = &[
     ),
     ("wrinkle-track", &["apply", "--frames", DOCUMENT, "--sync", STREAM, "--model", DOCUMENT, "--out", OUT]),
     ("wrinkle-track", &["show", "--frames", DOCUMENT, "--sync", STREAM, "--curves", STREAM, "--out", OUT]),
+    (
+        "cross-section",
+        &[
+            "measure",
+            "--frames",
+            "missing-input.json",
+            "--sync",
+            STREAM,
+            "--wrinkles",
+            STREAM,
+            "--out",
+            "out.jsonl",
+        ],
+    ),
     // `house new-stage` adds here
 ];
 

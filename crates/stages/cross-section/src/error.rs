@@ -1,0 +1,24 @@
+//! Why sections cannot be measured.
+
+/// Why sections cannot be measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A parameter out of its range.
+    #[error("{name} is {value}; {allowed}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would do.
+        allowed: &'static str,
+    },
+    /// Values that make no picture.
+    #[error("{values} values make no picture of {} × {} pixels", .size[0], .size[1])]
+    Pixels {
+        /// Width, height.
+        size: [usize; 2],
+        /// How many values there are.
+        values: usize,
+    },
+}
