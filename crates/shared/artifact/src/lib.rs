@@ -30,6 +30,7 @@ mod image_pattern;
 mod quantity;
 mod source;
 mod staged;
+mod subsampling;
 
 mod camera_file;
 mod cameras;

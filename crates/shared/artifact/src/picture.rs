@@ -3,6 +3,8 @@
 //! Code values are taken as they stand: colour profiles (ICC), gamma chunks and EXIF orientation are passed over, and which
 //! transfer function holds is for the caller to say (the take manifest does).
 
+pub use crate::subsampling::is_subsampled;
+
 use crate::source::read_bytes;
 use crate::{Error, Result, Sink, Staged};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};

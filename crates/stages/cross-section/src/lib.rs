@@ -31,7 +31,6 @@
 
 mod albedo;
 mod blur;
-mod chroma;
 mod curve;
 mod descent;
 mod error;
@@ -50,7 +49,6 @@ mod spline;
 mod steady;
 
 pub use albedo::estimate_albedo;
-pub use chroma::is_subsampled;
 pub use curve::{Curve, Foot};
 pub use error::Error;
 pub use image::{ImageSections, ImageWrinkle};

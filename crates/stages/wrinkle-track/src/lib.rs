@@ -18,7 +18,6 @@
 
 mod assign;
 mod bits;
-mod chroma;
 mod classify;
 mod draw;
 mod error;
@@ -35,7 +34,6 @@ mod svm;
 mod valley;
 
 pub use bits::{Bits, Patch, Run};
-pub use chroma::is_subsampled;
 pub use classify::{Classified, Classifier};
 pub use draw::{Drawing, tint};
 pub use error::Error;

@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use scene::{Look, SIZE, Stroke, mask, picture, strokes};
 use wrinkle_track::{
     Classifier, Error, FLOOR, Follower, MarkedPaint, MarkedWrinkle, NamedPlace, Picture, Place, Region,
-    Sample, Svm, SvmParams, TrackParams, TrainParams, View, choose, is_subsampled, labels, learn,
-    marked_paints, marked_wrinkles, ratios, valley,
+    Sample, Svm, SvmParams, TrackParams, TrainParams, View, choose, labels, learn, marked_paints,
+    marked_wrinkles, ratios, valley,
 };
 
 fn learnt(picture: &Picture, marked: &artifact::picture::Marked) -> (PaintModel, Vec<MarkedPaint>) {
@@ -414,7 +414,10 @@ fn names_lie_on_the_nearest_paint_and_pieces_join_them() {
 
 #[test]
 fn subsampled_colours_are_noticed() {
-    let of = |look| is_subsampled(&picture(&strokes(), look));
+    let of = |look| {
+        let picture = picture(&strokes(), look);
+        artifact::picture::is_subsampled(picture.width, picture.levels.as_flattened())
+    };
     assert_eq!(of(Look::default()), Some(false));
     assert_eq!(of(Look { subsampled: true, ..Look::default() }), Some(true));
     assert_eq!(of(Look { noise: 0.0, ..Look::default() }), None, "nothing to tell by");

@@ -1,12 +1,13 @@
 //! `cross-section measure`.
 
-use super::footage::Image;
+use super::image::Image;
 use super::options::{Options, View};
+use artifact::picture::is_subsampled;
 use artifact::{
     Curve2d, FrameRange, FrameWriter, Profile, SectionState, Sections, SectionsFrame, SectionsHeader,
     Wrinkles2dFrame,
 };
-use cross_section::{ImageSections, ImageWrinkle, Model, Params, is_subsampled, steadied};
+use cross_section::{ImageSections, ImageWrinkle, Model, Params, steadied};
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -100,12 +101,12 @@ fn frame_sections(
             tally.missing.push(format!("{} of camera {camera}", frame.frame));
             continue;
         };
-        let image = run.timed("decode", || Image::read(path, view.size))?;
+        let image = run.timed("decode", || Image::read(&view.camera, path))?;
         let picture = image.picture()?;
-        if is_subsampled(&picture) == Some(true) {
+        if is_subsampled(picture.width, picture.rgb) == Some(true) {
             tally.subsampled.insert(camera.clone());
         }
-        let light = view.transfer.light_of_codes();
+        let light = view.camera.transfer.light_of_codes();
         let paths: Vec<&Curve2d> = curves.values().collect();
         let found = run.timed("fit", || ImageSections::of(&picture, &light, &paths, params));
         tally.add(&found);

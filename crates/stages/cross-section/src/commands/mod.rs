@@ -1,6 +1,6 @@
 //! The subcommands.
 
-mod footage;
+mod image;
 mod measure;
 mod options;
 mod show;

@@ -1,10 +1,9 @@
 //! Options that measuring and drawing share.
 
-use super::footage::{Footage, Source, check_take};
 use anyhow::bail;
-use artifact::{FrameReader, Transfer, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader};
+use artifact::{FrameReader, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader};
 use cross_section::{Model, Params};
-use stage::Run;
+use stage::{CameraImages, Footage, ImageSource, Run, check_take};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -12,7 +11,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 pub(crate) struct Options {
     #[command(flatten)]
-    source: Source,
+    source: ImageSource,
     /// Curves of the wrinkles (wrinkles-2d)
     #[arg(long, value_name = "FILE")]
     wrinkles: PathBuf,
@@ -48,8 +47,7 @@ enum Which {
 
 /// A camera's images by frame.
 pub(crate) struct View {
-    pub(crate) transfer: Transfer,
-    pub(crate) size: [u32; 2],
+    pub(crate) camera: CameraImages,
     pub(crate) images: BTreeMap<i64, PathBuf>,
 }
 
@@ -100,10 +98,11 @@ impl Options {
 
 fn views(footage: &Footage, cameras: &[String]) -> anyhow::Result<BTreeMap<String, View>> {
     let view = |id: &String| {
-        let camera = footage.camera(id)?;
-        let images = footage.numbers().into_iter().zip(camera.paths);
+        let mut camera = footage.camera(id)?;
+        let paths = std::mem::take(&mut camera.paths);
+        let images = footage.numbers().into_iter().zip(paths);
         let images = images.filter_map(|(number, path)| Some((number, path?))).collect();
-        Ok((id.clone(), View { transfer: camera.transfer, size: camera.size, images }))
+        Ok((id.clone(), View { camera, images }))
     };
     cameras.iter().map(view).collect()
 }

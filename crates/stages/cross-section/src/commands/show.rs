@@ -1,6 +1,6 @@
 //! `cross-section show`.
 
-use super::footage::Image;
+use super::image::Image;
 use super::options::Options;
 use anyhow::bail;
 use artifact::canvas::{Canvas, Color};
@@ -67,9 +67,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let (Some(curves), Some(path)) = (curves, view.images.get(&number)) else {
         bail!("camera {id} has no image or no curves of frame {number}");
     };
-    let image = Image::read(path, view.size)?;
+    let image = Image::read(&view.camera, path)?;
     let picture = image.picture()?;
-    let light = view.transfer.light_of_codes();
+    let light = view.camera.transfer.light_of_codes();
     let paths: Vec<&Curve2d> = curves.values().collect();
     let found = ImageSections::of(&picture, &light, &paths, &material.params);
     let albedo = found.albedo;

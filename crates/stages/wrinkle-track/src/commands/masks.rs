@@ -2,10 +2,10 @@
 
 use super::shots::{Shot, first_image};
 use anyhow::{Context, bail};
-use artifact::picture::{Marked, read_marked};
+use artifact::picture::{Marked, is_subsampled, read_marked};
 use stage::{CameraImages, Footage, Run};
 use std::path::{Path, PathBuf};
-use wrinkle_track::{Error, MarkedPaint, is_subsampled, labels, marked_paints};
+use wrinkle_track::{Error, MarkedPaint, labels, marked_paints};
 
 /// Arguments that name marked images.
 #[derive(clap::Args)]
@@ -86,7 +86,7 @@ impl MaskSource {
         if mask.marks.iter().all(Option::is_none) {
             return Err(Error::EmptyMask).with_context(|| path.display().to_string());
         }
-        if is_subsampled(&shot.picture) == Some(true) {
+        if is_subsampled(shot.picture.width, shot.picture.levels.as_flattened()) == Some(true) {
             run.warn(format!(
                 "camera {camera}: colours look as if they were stored at half the size of the image (4:2:0), which blurs the edges of paint; film or export without chroma subsampling"
             ));
