@@ -108,6 +108,22 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let edits = read_edits(run, arguments, &header, &cameras)?;
     let plan = Plan { numbers: &numbers, markers: &header.markers, guide: guide.as_ref() };
     follow(run, &mut cameras, &plan, first)?;
+    let (mut frames, strays) = gather(&mut cameras, &numbers);
+    compare(run, &mut frames, &strays);
+    if let Some(guide) = &guide {
+        drop_unsure(run, &header, &mut frames, guide, first);
+        report_guide(run, &cameras);
+    }
+    if let (Some(edits), Some(path)) = (edits, &arguments.edits) {
+        edits.apply(&mut frames).with_context(|| path.display().to_string())?;
+        run.result("edits", edits.count());
+    }
+    report(run, &header, &frames);
+    write(run, arguments, header, &frames)
+}
+
+/// Frame by frame what the cameras have, and the dots that no marker has.
+fn gather(cameras: &mut [Camera], numbers: &[i64]) -> (Vec<Tracks2dFrame>, Strays) {
     let mut frames: Vec<Tracks2dFrame> = Vec::with_capacity(numbers.len());
     for (index, &frame) in numbers.iter().enumerate() {
         let samples = cameras.iter_mut().map(|camera| camera.samples[index].take()).collect();
@@ -116,19 +132,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let strays: Strays = (0..numbers.len())
         .map(|index| cameras.iter_mut().map(|camera| std::mem::take(&mut camera.strays[index])).collect())
         .collect();
-    compare(run, &mut frames, &strays);
-    if let Some(guide) = &guide {
-        drop_unsure(run, &header, &mut frames, guide, first);
-    }
-    if let (Some(edits), Some(path)) = (edits, &arguments.edits) {
-        edits.apply(&mut frames).with_context(|| path.display().to_string())?;
-        run.result("edits", edits.count());
-    }
-    if guide.is_some() {
-        report_guide(run, &cameras);
-    }
-    report(run, &header, &frames);
-    write(run, arguments, header, &frames)
+    (frames, strays)
 }
 
 /// What the cameras say of each other's samples.
