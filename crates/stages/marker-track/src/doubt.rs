@@ -74,10 +74,20 @@ fn drop_passing_in(frames: &mut [Tracks2dFrame], camera: usize) -> usize {
             let around = &seen[at.saturating_sub(AROUND)..(at + AROUND + 1).min(seen.len())];
             let is_passing = around.iter().filter(|seen| **seen).count() < enough;
             if let Some(sample) = samples[marker].as_mut().filter(|_| is_passing) {
-                (sample.state, sample.confidence) = (TrackState::Predicted, UNSURE);
+                doubt(sample);
                 dropped += 1;
             }
         }
     }
     dropped
+}
+
+/// Makes a sample a prediction where it is.
+pub(crate) fn take_back(frame: &mut Tracks2dFrame, camera: usize, marker: usize) {
+    let sample = frame.cameras[camera].as_mut().and_then(|samples| samples[marker].as_mut());
+    sample.into_iter().for_each(doubt);
+}
+
+fn doubt(sample: &mut Sample2d) {
+    (sample.state, sample.confidence) = (TrackState::Predicted, UNSURE);
 }

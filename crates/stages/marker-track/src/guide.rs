@@ -1,6 +1,7 @@
 //! What 3D markers of a first pass say about a camera's second one: where each marker is, and whether it can be seen.
 
 use crate::tracker::Hint;
+use artifact::{MeasuredFrame, SampleStatus};
 use camera::Camera;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -11,6 +12,33 @@ const PATCH: NonZero<usize> = NonZero::new(9).unwrap();
 /// Skin turned further than this from the view is not looked for, cosine of the angle; dots are seen up to 70°, and a
 /// patch of markers is flatter than the skin.
 const LEAST_COSINE: f64 = 0.2;
+/// So many other cameras place a marker without this one's help.
+const OTHERS: usize = 2;
+/// … if its place is known so well: as many standard deviations along its worst axis fit into the gate.
+const DEVIATIONS: f64 = 2.0;
+
+/// Per marker whether a guide says of a camera more than that camera said itself: it is measured, from two other cameras at
+/// least, and to half of `gate_px` (standard deviation along its worst axis, seen from this camera). A guide that says nothing of
+/// its accuracy is believed.
+///
+/// A marker that was placed on the ray of this one camera is where that saw it, right or wrong; one that a wrong view was measured from
+/// has a large covariance, as its views disagree.
+#[must_use]
+pub fn bears_out(frame: &MeasuredFrame, id: &str, camera: &Camera, gate_px: f64) -> Vec<bool> {
+    let is_borne_out = |marker: usize| {
+        let Some(point) = frame.markers.points[marker] else { return false };
+        let is_measured = frame.markers.status[marker] == SampleStatus::Measured;
+        let Some(accuracy) = &frame.accuracy[marker] else { return is_measured };
+        let [xx, xy, xz, yy, yz, zz] = accuracy.covariance_mm2;
+        let variances = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues();
+        let px_per_mm = camera.lens.focal_px.max() / (camera.cam_from_world * point).z.abs();
+        let others = accuracy.views.iter().filter(|view| *view != id).count();
+        is_measured
+            && (accuracy.views.is_empty() || others >= OTHERS)
+            && DEVIATIONS * variances.max().max(0.0).sqrt() * px_per_mm <= gate_px
+    };
+    (0..frame.markers.points.len()).map(is_borne_out).collect()
+}
 
 /// Per marker its place in a camera's image, and whether its skin faces the camera; none for one that is missing, behind the
 /// camera or outside the image. `points`: world, mm.

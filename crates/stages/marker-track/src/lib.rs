@@ -56,15 +56,17 @@ mod picture;
 mod predict;
 mod track;
 mod tracker;
+mod untied;
 
 pub use detect::{Found, detect, places_of_color};
 pub use doubt::{drop_misfits, drop_passing};
 pub use draw::Canvas;
 pub use edits::Edits;
 pub use error::Error;
-pub use guide::hints;
+pub use guide::{bears_out, hints};
 pub use naming::{Strays, name_strays};
 pub use paint::Paint;
 pub use params::Params;
 pub use picture::Picture;
 pub use tracker::{GuideHits, Hint, Tracker};
+pub use untied::drop_untied;

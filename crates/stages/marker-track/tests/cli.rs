@@ -229,6 +229,31 @@ fn a_guide_is_held_against_the_labels() {
     assert!(good.contains("guide found: 60") && !good.contains("warning"), "{good}");
 }
 
+/// A marker without a label is found by the guide; where the guide has it from this camera alone, only for a moment.
+#[test]
+fn what_only_the_camera_itself_told_the_guide_is_not_kept_for_a_moment() {
+    let folder = take();
+    write_labels(folder.path(), |places| {
+        places.remove("d05");
+    });
+    let path = folder.path().join("guide.jsonl");
+    // At the ends of so short a take too few images are around.
+    for (status, seen) in [(artifact::SampleStatus::Measured, 3), (artifact::SampleStatus::SingleCamera, 0)] {
+        write_guide(folder.path(), 0.3, "t");
+        let mut guide = artifact::Trajectories::read::<artifact::Trajectories3d>(&path).unwrap();
+        guide.frames.iter_mut().for_each(|frame| frame.status[5] = status);
+        guide.write::<artifact::Trajectories3d>(&path).unwrap().publish().unwrap();
+        let guided = [&TRACK[..], &["--guide", "guide.jsonl", "--cameras", "cameras.json"]].concat();
+        assert!(call(&folder, &guided).status.success());
+        let count = |marker: usize| {
+            let sample = |frame: &Tracks2dFrame| frame.cameras[0].as_ref()?[marker];
+            let found = tracks(&folder).iter().filter_map(sample).collect::<Vec<_>>();
+            found.iter().filter(|sample| sample.state == TrackState::Seen).count()
+        };
+        assert_eq!((count(5), count(6)), (seen, 6), "{status:?}");
+    }
+}
+
 /// A second camera that has no labels: named without a guide, tracked with one.
 #[test]
 fn the_guide_labels_a_camera_without_labels() {

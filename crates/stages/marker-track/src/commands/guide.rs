@@ -2,14 +2,20 @@
 
 use super::footage::check_take;
 use anyhow::{Context, bail};
-use artifact::{CameraRig, Sample2d, TakeRef, TrackState, Trajectories, Trajectories3d};
-use marker_track::{Hint, hints};
+use artifact::{
+    CameraRig, FrameReader, MeasuredTrajectories, Sample2d, TakeRef, TrackState, Tracks2dFrame,
+    Tracks2dHeader, Trajectories,
+};
+use marker_track::{Hint, bears_out, drop_untied, hints};
 use stage::Run;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Fewer markers do not tell whether a guide fits.
 const FEWEST: usize = 3;
+
+/// Per camera and frame, which of the guide's markers other cameras bear out.
+type BorneOut = BTreeMap<String, Vec<Vec<bool>>>;
 
 /// The guide of a second pass.
 pub(crate) struct Guide {
@@ -19,6 +25,9 @@ pub(crate) struct Guide {
     cameras: Box<Path>,
     /// Place of each frame.
     frames: BTreeMap<i64, usize>,
+    borne_out: BorneOut,
+    /// How far from the guide a dot may be, px.
+    gate_px: f64,
 }
 
 impl Guide {
@@ -27,15 +36,16 @@ impl Guide {
         path: &Path,
         cameras: &Path,
         take: Option<&TakeRef>,
+        gate_px: f64,
     ) -> anyhow::Result<Self> {
-        let trajectories = Trajectories::read::<Trajectories3d>(path)?;
-        run.input("guide", path)?;
         let rig: CameraRig = artifact::read_document(cameras)?;
+        let (trajectories, borne_out) = read(path, &rig, gate_px)?;
+        run.input("guide", path)?;
         run.input("cameras", cameras)?;
         check_take(run, path, trajectories.header.take.as_ref(), take)?;
         let frames =
             trajectories.frames.iter().enumerate().map(|(index, frame)| (frame.frame, index)).collect();
-        Ok(Self { trajectories, rig, path: path.into(), cameras: cameras.into(), frames })
+        Ok(Self { trajectories, rig, path: path.into(), cameras: cameras.into(), frames, borne_out, gate_px })
     }
 
     pub(crate) fn markers(&self) -> &[String] {
@@ -69,6 +79,26 @@ impl Guide {
         let found = hints(&self.trajectories.frames[index].points, &rig.camera);
         let of = |id: &String| self.trajectories.marker(id).and_then(|marker| found[marker]);
         Ok(Some(markers.iter().map(of).collect()))
+    }
+
+    /// Takes samples back that neither other cameras nor time bear out ([`drop_untied`]), in place, and returns how many.
+    pub(crate) fn drop_untied(
+        &self,
+        header: &Tracks2dHeader,
+        frames: &mut [Tracks2dFrame],
+        labelled: usize,
+    ) -> usize {
+        let places: Vec<Option<usize>> =
+            header.markers.iter().map(|id| self.trajectories.marker(id)).collect();
+        let of_camera = |frame: i64, id: &String| -> Vec<bool> {
+            let said = self.frames.get(&frame).and_then(|&index| self.borne_out.get(id)?.get(index));
+            places.iter().map(|place| said.zip(*place).is_some_and(|(said, at)| said[at])).collect()
+        };
+        let of_frame = |frame: &Tracks2dFrame| -> Vec<Vec<bool>> {
+            header.cameras.iter().map(|id| of_camera(frame.frame, id)).collect()
+        };
+        let borne_out: Vec<Vec<Vec<bool>>> = frames.iter().map(of_frame).collect();
+        drop_untied(frames, &borne_out, labelled, self.gate_px)
     }
 
     /// Whether the camera is calibrated.
@@ -107,4 +137,24 @@ impl Guide {
             false => bail!("{}: shares no frame with the images", self.path.display()),
         }
     }
+}
+
+/// The markers, and per camera and frame which of them other cameras bear out.
+fn read(path: &Path, rig: &CameraRig, gate_px: f64) -> anyhow::Result<(Trajectories, BorneOut)> {
+    let reader = FrameReader::<MeasuredTrajectories>::open(path)?;
+    let header = reader.header().clone();
+    let mut frames = Vec::new();
+    let mut borne_out = BorneOut::new();
+    for frame in reader {
+        let frame = frame?;
+        for (id, camera) in &rig.cameras {
+            let said = bears_out(&frame, id, &camera.camera, gate_px);
+            borne_out.entry(id.clone()).or_default().push(said);
+        }
+        frames.push(frame.markers);
+    }
+    if frames.is_empty() {
+        bail!("{}: holds no frames\n  to do: the stage that wrote it may have been cut off", path.display());
+    }
+    Ok((Trajectories { header, frames }, borne_out))
 }

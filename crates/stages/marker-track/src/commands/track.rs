@@ -80,7 +80,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     check_take(run, &arguments.labels, labels.take.as_ref(), footage.take.as_ref())?;
     check_ids(&arguments.labels, &labels)?;
     let guide = match (&arguments.guide, &arguments.cameras) {
-        (Some(guide), Some(cameras)) => Some(Guide::read(run, guide, cameras, footage.take.as_ref())?),
+        (Some(guide), Some(cameras)) => {
+            Some(Guide::read(run, guide, cameras, footage.take.as_ref(), params.guide_gate_px)?)
+        }
         _ => None,
     };
     let numbers = footage.numbers();
@@ -106,6 +108,22 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let edits = read_edits(run, arguments, &header, &cameras)?;
     let plan = Plan { numbers: &numbers, markers: &header.markers, guide: guide.as_ref() };
     follow(run, &mut cameras, &plan, first)?;
+    let (mut frames, strays) = gather(&mut cameras, &numbers);
+    compare(run, &mut frames, &strays);
+    if let Some(guide) = &guide {
+        drop_unsure(run, &header, &mut frames, guide, first);
+        report_guide(run, &cameras);
+    }
+    if let (Some(edits), Some(path)) = (edits, &arguments.edits) {
+        edits.apply(&mut frames).with_context(|| path.display().to_string())?;
+        run.result("edits", edits.count());
+    }
+    report(run, &header, &frames);
+    write(run, arguments, header, &frames)
+}
+
+/// Frame by frame what the cameras have, and the dots that no marker has.
+fn gather(cameras: &mut [Camera], numbers: &[i64]) -> (Vec<Tracks2dFrame>, Strays) {
     let mut frames: Vec<Tracks2dFrame> = Vec::with_capacity(numbers.len());
     for (index, &frame) in numbers.iter().enumerate() {
         let samples = cameras.iter_mut().map(|camera| camera.samples[index].take()).collect();
@@ -114,28 +132,29 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let strays: Strays = (0..numbers.len())
         .map(|index| cameras.iter_mut().map(|camera| std::mem::take(&mut camera.strays[index])).collect())
         .collect();
-    compare(run, &mut frames, &strays, guide.is_some());
-    if let (Some(edits), Some(path)) = (edits, &arguments.edits) {
-        edits.apply(&mut frames).with_context(|| path.display().to_string())?;
-        run.result("edits", edits.count());
-    }
-    if guide.is_some() {
-        report_guide(run, &cameras);
-    }
-    report(run, &header, &frames);
-    write(run, arguments, header, &frames)
+    (frames, strays)
 }
 
-/// What the cameras say of each other's samples, and images of those around them.
-fn compare(run: &mut Run, frames: &mut [Tracks2dFrame], strays: &Strays, guided: bool) {
+/// What the cameras say of each other's samples.
+fn compare(run: &mut Run, frames: &mut [Tracks2dFrame], strays: &Strays) {
     let misfits = run.timed("name", || drop_misfits(frames));
     run.result("misfits", misfits);
     let named = run.timed("name", || name_strays(frames, strays));
     run.result("named", named);
-    if guided {
-        let dropped = run.timed("name", || drop_passing(frames));
-        run.result("passing", dropped);
-    }
+}
+
+/// What images say of those around them, and the guide of what other cameras saw.
+fn drop_unsure(
+    run: &mut Run,
+    header: &Tracks2dHeader,
+    frames: &mut [Tracks2dFrame],
+    guide: &Guide,
+    labelled: usize,
+) {
+    let passing = run.timed("name", || drop_passing(frames));
+    run.result("passing", passing);
+    let untied = run.timed("name", || guide.drop_untied(header, frames, labelled));
+    run.result("untied", untied);
 }
 
 fn read_edits(
