@@ -1,13 +1,12 @@
 //! `cross-section measure`.
 
-use super::image::Image;
 use super::options::{Options, View};
 use artifact::picture::is_subsampled;
 use artifact::{
     Curve2d, FrameRange, FrameWriter, Profile, SectionState, Sections, SectionsFrame, SectionsHeader,
     Wrinkles2dFrame,
 };
-use cross_section::{ImageSections, ImageWrinkle, Model, Params, steadied};
+use cross_section::{ImageSections, ImageWrinkle, Model, Params, Picture, steadied};
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -101,8 +100,8 @@ fn frame_sections(
             tally.missing.push(format!("{} of camera {camera}", frame.frame));
             continue;
         };
-        let image = run.timed("decode", || Image::read(&view.camera, path))?;
-        let picture = image.picture()?;
+        let image = run.timed("decode", || view.camera.read_8_bits(path))?;
+        let picture = Picture::new(image.width, image.height, &image.rgb)?;
         if is_subsampled(picture.width, picture.rgb) == Some(true) {
             tally.subsampled.insert(camera.clone());
         }

@@ -1,6 +1,5 @@
 //! The subcommands.
 
-mod image;
 mod measure;
 mod options;
 mod show;

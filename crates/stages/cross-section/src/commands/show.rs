@@ -1,12 +1,11 @@
 //! `cross-section show`.
 
-use super::image::Image;
 use super::options::Options;
 use anyhow::bail;
 use artifact::canvas::{Canvas, Color};
 use artifact::picture::write_rgb8;
 use artifact::{Curve2d, Section, SectionState};
-use cross_section::{ImageSections, Measured, Painted};
+use cross_section::{ImageSections, Measured, Painted, Picture};
 use stage::Run;
 use std::path::PathBuf;
 
@@ -67,8 +66,8 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let (Some(curves), Some(path)) = (curves, view.images.get(&number)) else {
         bail!("camera {id} has no image or no curves of frame {number}");
     };
-    let image = Image::read(&view.camera, path)?;
-    let picture = image.picture()?;
+    let image = view.camera.read_8_bits(path)?;
+    let picture = Picture::new(image.width, image.height, &image.rgb)?;
     let light = view.camera.transfer.light_of_codes();
     let paths: Vec<&Curve2d> = curves.values().collect();
     let found = ImageSections::of(&picture, &light, &paths, &material.params);

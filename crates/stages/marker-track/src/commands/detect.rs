@@ -1,10 +1,9 @@
 //! `marker-track detect`.
 
-use super::footage::{Image, Source};
 use anyhow::bail;
 use artifact::picture::write_rgb8;
-use marker_track::{Canvas, Found, Paint, Params, detect, places_of_color};
-use stage::Run;
+use marker_track::{Canvas, Found, Paint, Params, Picture, detect, places_of_color};
+use stage::{ImageSource, Run};
 use std::path::PathBuf;
 
 /// Enlargement of the picture with numbers.
@@ -18,7 +17,7 @@ const INK: [u8; 3] = [255, 235, 60];
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    source: Source,
+    source: ImageSource,
     /// Camera whose image is searched
     #[arg(long, value_name = "ID")]
     camera: String,
@@ -69,9 +68,9 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         let frame = arguments.frame.map_or("any frame".to_string(), |frame| format!("frame {frame}"));
         bail!("{}, camera {}: has no image of {frame}", footage.path().display(), arguments.camera);
     };
-    let image = Image::read(path, images.size)?;
+    let image = images.read_8_bits(path)?;
     run.input("image", path)?;
-    let picture = image.picture()?;
+    let picture = Picture::new(image.width, image.height, &image.rgb)?;
     let places = match arguments.color {
         Some(color) => places_of_color(&picture, color)?,
         None => arguments.at.clone(),

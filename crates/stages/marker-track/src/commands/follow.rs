@@ -1,12 +1,11 @@
 //! The cameras at work: images are read in blocks, all cameras at once, and tracked, each camera on its own.
 
-use super::footage::{CameraImages, Image};
 use super::guide::Guide;
 use anyhow::Context;
 use artifact::Sample2d;
-use marker_track::{GuideHits, Hint, Tracker};
+use marker_track::{GuideHits, Hint, Picture, Tracker};
 use rayon::prelude::*;
-use stage::Run;
+use stage::{CameraImages, Image8, Run};
 
 /// Images read ahead, per camera.
 const BLOCK: usize = 16;
@@ -52,7 +51,7 @@ pub(crate) fn follow(run: &mut Run, cameras: &mut [Camera], plan: &Plan, first: 
 }
 
 /// An image, and what the guide says of it.
-type Step = Option<(Image, Option<Vec<Option<Hint>>>)>;
+type Step = Option<(Image8, Option<Vec<Option<Hint>>>)>;
 
 fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usize]) -> anyhow::Result<()> {
     let read = |camera: &Camera| -> anyhow::Result<Vec<Step>> {
@@ -66,7 +65,7 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
             let frames = plan.numbers[index].abs_diff(plan.numbers[camera.last]) as f64;
             let samples = camera
                 .tracker
-                .step(&image.picture()?, frames, hints.as_deref())
+                .step(&Picture::new(image.width, image.height, &image.rgb)?, frames, hints.as_deref())
                 .with_context(|| format!("camera {}, frame {}", camera.id, plan.numbers[index]))?;
             camera.guided += camera.tracker.guide_hits();
             camera.strays[index] = camera.tracker.strays();
@@ -79,7 +78,7 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
 
 fn read_step(camera: &Camera, plan: &Plan, index: usize) -> anyhow::Result<Step> {
     let Some(path) = &camera.images.paths[index] else { return Ok(None) };
-    let image = Image::read(path, camera.images.size)?;
+    let image = camera.images.read_8_bits(path)?;
     let hints = plan
         .guide
         .map(|guide| guide.hints(plan.numbers[index], &camera.id, camera.images.size, plan.markers));

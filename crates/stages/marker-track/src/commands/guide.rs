@@ -1,13 +1,12 @@
 //! 3D markers of a first pass, and the cameras that they are seen by again.
 
-use super::footage::check_take;
 use anyhow::{Context, bail};
 use artifact::{
     CameraRig, FrameReader, MeasuredTrajectories, Sample2d, TakeRef, TrackState, Tracks2dFrame,
     Tracks2dHeader, Trajectories,
 };
 use marker_track::{Hint, bears_out, drop_untied, hints};
-use stage::Run;
+use stage::{Run, check_take};
 use std::collections::BTreeMap;
 use std::path::Path;
 

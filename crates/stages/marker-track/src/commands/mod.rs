@@ -2,7 +2,6 @@
 
 mod detect;
 mod follow;
-mod footage;
 mod guide;
 mod label;
 mod show;

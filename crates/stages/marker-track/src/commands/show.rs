@@ -1,11 +1,10 @@
 //! `marker-track show`.
 
-use super::footage::{CameraImages, Footage, Image, Source};
 use anyhow::bail;
 use artifact::picture::write_rgb8;
 use artifact::{FrameRange, FrameReader, TrackState, Tracks2d, Tracks2dFrame};
-use marker_track::Canvas;
-use stage::Run;
+use marker_track::{Canvas, Picture};
+use stage::{CameraImages, Footage, ImageSource, Run};
 use std::path::{Path, PathBuf};
 
 /// Colours of seen, predicted and edited samples.
@@ -21,7 +20,7 @@ const SURE: f64 = 0.6;
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    source: Source,
+    source: ImageSource,
     /// Tracks to draw (tracks-2d)
     #[arg(long, value_name = "FILE")]
     tracks: PathBuf,
@@ -125,8 +124,9 @@ impl Seen<'_> {
     }
 
     fn drawn(&self, place: usize, path: &Path, scale: u8) -> anyhow::Result<Canvas> {
-        let image = Image::read(path, self.images.size)?;
-        let mut canvas = Canvas::enlarged(&image.picture()?, scale.into());
+        let image = self.images.read_8_bits(path)?;
+        let mut canvas =
+            Canvas::enlarged(&Picture::new(image.width, image.height, &image.rgb)?, scale.into());
         draw(&mut canvas, &self.tracks.frames[place.saturating_sub(self.tracks.tail)..=place], self.camera);
         Ok(canvas)
     }

@@ -1,12 +1,11 @@
 //! Where tracking begins: the labelled frame of each camera.
 
 use super::follow::Camera;
-use super::footage::{CameraImages, Footage, Image};
 use super::guide::Guide;
 use anyhow::bail;
 use artifact::Labels;
-use marker_track::{Error, GuideHits, Hint, Params, Tracker};
-use stage::Run;
+use marker_track::{Error, GuideHits, Hint, Params, Picture, Tracker};
+use stage::{CameraImages, Footage, Run};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -88,8 +87,14 @@ impl Start<'_> {
         places: &BTreeMap<String, [f64; 2]>,
     ) -> anyhow::Result<Option<Result<Tracker, Error>>> {
         let Some(path) = &images.paths[self.first] else { return Ok(None) };
-        let image = Image::read(path, images.size)?;
-        Ok(Some(Tracker::start(&image.picture()?, images.transfer, self.markers, places, self.params)))
+        let image = images.read_8_bits(path)?;
+        Ok(Some(Tracker::start(
+            &Picture::new(image.width, image.height, &image.rgb)?,
+            images.transfer,
+            self.markers,
+            places,
+            self.params,
+        )))
     }
 
     fn camera(&self, id: &str, images: CameraImages, tracker: Tracker) -> Camera {

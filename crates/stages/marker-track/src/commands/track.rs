@@ -1,14 +1,13 @@
 //! `marker-track track`.
 
 use super::follow::{Camera, Plan, follow};
-use super::footage::{Source, check_take};
 use super::guide::Guide;
 use super::start::{Start, check_ids};
 use anyhow::{Context, bail};
 use artifact::{FrameWriter, Labels, TrackState, Tracks2d, Tracks2dFrame, Tracks2dHeader};
 use marker_track::{Edits, GuideHits, Params, Strays, drop_misfits, drop_passing, name_strays};
 use serde::Serialize;
-use stage::Run;
+use stage::{ImageSource, Run, check_take};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -19,7 +18,7 @@ const MISSED: f64 = 0.4;
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    source: Source,
+    source: ImageSource,
     /// Markers labelled in one frame (labels); the cameras that have labels are tracked; with --guide, others of their image size too
     #[arg(long, value_name = "FILE")]
     labels: PathBuf,
