@@ -26,6 +26,7 @@ mod envelope;
 mod error;
 mod finite;
 mod ids;
+mod image8;
 mod image_pattern;
 mod quantity;
 mod source;

@@ -3,6 +3,7 @@
 //! Code values are taken as they stand: colour profiles (ICC), gamma chunks and EXIF orientation are passed over, and which
 //! transfer function holds is for the caller to say (the take manifest does).
 
+pub use crate::image8::{Image8, NoPicture, Picture};
 pub use crate::subsampling::is_subsampled;
 
 use crate::source::read_bytes;
@@ -51,6 +52,16 @@ impl Rgb {
             Codes::Bits8(codes) => codes.clone(),
             Codes::Bits16(codes) => codes.iter().map(|code| ((u32::from(*code) + 128) / 257) as u8).collect(),
         }
+    }
+
+    /// The same as an image of its own.
+    #[must_use]
+    pub fn into_8_bits(self) -> Image8 {
+        let rgb = match self.codes {
+            Codes::Bits8(codes) => codes,
+            Codes::Bits16(_) => self.to_8_bits(),
+        };
+        Image8 { width: self.width, height: self.height, rgb }
     }
 
     /// The red, green and blue of a pixel as shares of white, 0–1.

@@ -2,7 +2,7 @@
 
 use crate::Run;
 use anyhow::{Context, bail};
-use artifact::picture::{Codes, Rgb, read_rgb};
+use artifact::picture::{Image8, Rgb, read_rgb};
 use artifact::{FrameReader, Frames, Rate, Shown, SyncFrame, Take, TakeCamera, TakeRef, TimeBase, Transfer};
 use std::path::{Path, PathBuf};
 
@@ -74,25 +74,8 @@ impl CameraImages {
     /// # Errors
     /// If it cannot be read, or has another size.
     pub fn read_8_bits(&self, path: &Path) -> anyhow::Result<Image8> {
-        let picture = self.read(path)?;
-        let (width, height) = (picture.width, picture.height);
-        let rgb = match picture.codes {
-            Codes::Bits8(codes) => codes,
-            Codes::Bits16(_) => picture.to_8_bits(),
-        };
-        Ok(Image8 { width, height, rgb })
+        Ok(self.read(path)?.into_8_bits())
     }
-}
-
-/// A colour image of 8 bits; row 0 is the top.
-#[derive(Debug, Clone)]
-pub struct Image8 {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Red, green and blue of each pixel, row after row.
-    pub rgb: Vec<u8>,
 }
 
 impl ImageSource {

@@ -31,7 +31,7 @@ mod progress;
 mod run;
 mod shell;
 
-pub use footage::{CameraImages, Footage, Image8, ImageSource, check_take};
+pub use footage::{CameraImages, Footage, ImageSource, check_take};
 pub use inputs::{load_take, resolve_unit};
 pub use progress::Progress;
 pub use run::Run;

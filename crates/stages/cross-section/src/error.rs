@@ -13,12 +13,4 @@ pub enum Error {
         /// What would do.
         allowed: &'static str,
     },
-    /// Values that make no picture.
-    #[error("{values} values make no picture of {} × {} pixels", .size[0], .size[1])]
-    Pixels {
-        /// Width, height.
-        size: [usize; 2],
-        /// How many values there are.
-        values: usize,
-    },
 }

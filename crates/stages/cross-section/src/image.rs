@@ -1,9 +1,9 @@
 //! All wrinkles of an image.
 
+use crate::Picture;
 use crate::albedo::estimate_albedo;
 use crate::measure::{Measured, Painted, failed, measure, painted};
 use crate::params::Params;
-use crate::picture::Picture;
 use artifact::{Curve2d, Section};
 use rayon::prelude::*;
 

@@ -26,7 +26,7 @@
 //! let paint = painted(&picture, &Transfer::Gamma(2.2).light_of_codes(), &curve, &params).unwrap();
 //! let middle = measure(&paint, &params, 0.0).sections[24];
 //! assert!((middle.at[1] - 32.0).abs() < 0.2 && (middle.d_px / middle.w_px - 0.4).abs() < 0.06);
-//! # Ok::<(), cross_section::Error>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod albedo;
@@ -40,7 +40,6 @@ mod measure;
 mod paint;
 mod paper;
 mod params;
-mod picture;
 mod problem;
 mod profile;
 mod shading;
@@ -49,6 +48,7 @@ mod spline;
 mod steady;
 
 pub use albedo::estimate_albedo;
+pub use artifact::picture::Picture;
 pub use curve::{Curve, Foot};
 pub use error::Error;
 pub use image::{ImageSections, ImageWrinkle};
@@ -56,6 +56,5 @@ pub use measure::{Measured, Painted, failed, measure, painted};
 pub use paint::{Band, Pixel, band};
 pub use paper::{SharpFit, SharpGroove};
 pub use params::{Model, Params};
-pub use picture::Picture;
 pub use profile::Profile;
 pub use steady::steadied;

@@ -1,12 +1,12 @@
 //! From an image and a curve to sections.
 
+use crate::Picture;
 use crate::albedo::combined_albedo;
 use crate::curve::Curve;
 use crate::fit::Fit;
 use crate::paint::{Band, band};
 use crate::paper;
 use crate::params::{Model, Params};
-use crate::picture::Picture;
 use crate::problem::{CREASE, LN_LIGHT, LN_RATIO, LN_WIDTH, LOPSIDED, ROUND};
 use artifact::{Curve2d, Section, SectionDeviation, SectionState};
 use nalgebra::Vector2;

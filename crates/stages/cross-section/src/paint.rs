@@ -1,8 +1,8 @@
 //! Which pixels beside a curve show its paint, and how bright they are.
 
+use crate::Picture;
 use crate::albedo::extremes;
 use crate::curve::Curve;
-use crate::picture::Picture;
 use nalgebra::Vector2;
 
 /// Added to linear light before ratios are taken, so that the dark ones do not drown in noise.

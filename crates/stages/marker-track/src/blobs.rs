@@ -1,7 +1,7 @@
 //! Connected patches of painted pixels, found in the tiles of an image that are asked for.
 
+use crate::Picture;
 use crate::paint::Paint;
-use crate::picture::Picture;
 
 /// Side of a tile, px.
 const TILE: usize = 16;

@@ -2,10 +2,10 @@
 //!
 //! The middle is the centroid of the painted *area*. So each pixel counts by how much of it is paint, not by how bright it is.
 
+use crate::Picture;
 use crate::blobs::Blob;
 use crate::matte::Ground;
 use crate::paint::Paint;
-use crate::picture::Picture;
 use nalgebra::Vector3;
 
 /// Paint fades over this many pixels beyond the mask: lens blur, and the pixel's own width.

@@ -13,14 +13,6 @@ pub enum Error {
         /// What would do.
         allowed: &'static str,
     },
-    /// Values that make no picture.
-    #[error("{values} values make no picture of {} × {} pixels", .size[0], .size[1])]
-    Pixels {
-        /// Width, height.
-        size: [usize; 2],
-        /// How many values there are.
-        values: usize,
-    },
     /// An image that is not as large as the first.
     #[error("the image has {} × {} px, the others have {} × {}", .found[0], .found[1], .wanted[0], .wanted[1])]
     ImageSize {

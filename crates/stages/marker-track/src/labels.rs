@@ -1,8 +1,8 @@
 //! Labels that cannot be used: outside the image, on no dot, or on a dot that another label is on.
 
 use crate::Error;
+use crate::Picture;
 use crate::blobs::{Blob, Run};
-use crate::picture::Picture;
 use std::collections::BTreeMap;
 
 /// How far from a label its dot may be, px. Dots nearer than this to each other are one.

@@ -33,7 +33,7 @@
 //! let samples = tracker.step(&Picture::new(80, 60, &second)?, 1.0, None)?;
 //! let nose = samples[0].unwrap();
 //! assert!((nose.at.x - 44.0).abs() < 0.1 && (nose.at.y - 22.0).abs() < 0.1);
-//! # Ok::<(), marker_track::Error>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod assign;
@@ -52,12 +52,12 @@ mod matte;
 mod naming;
 mod paint;
 mod params;
-mod picture;
 mod predict;
 mod track;
 mod tracker;
 mod untied;
 
+pub use artifact::picture::Picture;
 pub use detect::{Found, detect, places_of_color};
 pub use doubt::{drop_misfits, drop_passing};
 pub use draw::Canvas;
@@ -67,6 +67,5 @@ pub use guide::{bears_out, hints};
 pub use naming::{Strays, name_strays};
 pub use paint::Paint;
 pub use params::Params;
-pub use picture::Picture;
 pub use tracker::{GuideHits, Hint, Tracker};
 pub use untied::drop_untied;

@@ -6,7 +6,7 @@
 //! or that it is off the curve.
 
 use crate::Error;
-use crate::picture::Picture;
+use crate::Picture;
 use artifact::Transfer;
 
 /// Cells of the table along each log ratio.

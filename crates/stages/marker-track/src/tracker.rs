@@ -2,13 +2,13 @@
 
 mod lost;
 
+use crate::Picture;
 use crate::blobs::{self, Area, Blob};
 use crate::center::{Owners, Patch, Spot};
 use crate::dots::{Dot, dots};
 use crate::labels;
 use crate::matching::{Matches, match_lost, match_tracks};
 use crate::paint::Paint;
-use crate::picture::Picture;
 use crate::predict::MotionField;
 use crate::track::{Prediction, Track};
 use crate::{Error, Params};

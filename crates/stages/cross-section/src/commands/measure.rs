@@ -6,7 +6,7 @@ use artifact::{
     Curve2d, FrameRange, FrameWriter, Profile, SectionState, Sections, SectionsFrame, SectionsHeader,
     Wrinkles2dFrame,
 };
-use cross_section::{ImageSections, ImageWrinkle, Model, Params, Picture, steadied};
+use cross_section::{ImageSections, ImageWrinkle, Model, Params, steadied};
 use stage::Run;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -101,7 +101,7 @@ fn frame_sections(
             continue;
         };
         let image = run.timed("decode", || view.camera.read_8_bits(path))?;
-        let picture = Picture::new(image.width, image.height, &image.rgb)?;
+        let picture = image.picture();
         if is_subsampled(picture.width, picture.rgb) == Some(true) {
             tally.subsampled.insert(camera.clone());
         }

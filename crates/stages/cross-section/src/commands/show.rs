@@ -5,7 +5,7 @@ use anyhow::bail;
 use artifact::canvas::{Canvas, Color};
 use artifact::picture::write_rgb8;
 use artifact::{Curve2d, Section, SectionState};
-use cross_section::{ImageSections, Measured, Painted, Picture};
+use cross_section::{ImageSections, Measured, Painted};
 use stage::Run;
 use std::path::PathBuf;
 
@@ -67,7 +67,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         bail!("camera {id} has no image or no curves of frame {number}");
     };
     let image = view.camera.read_8_bits(path)?;
-    let picture = Picture::new(image.width, image.height, &image.rgb)?;
+    let picture = image.picture();
     let light = view.camera.transfer.light_of_codes();
     let paths: Vec<&Curve2d> = curves.values().collect();
     let found = ImageSections::of(&picture, &light, &paths, &material.params);

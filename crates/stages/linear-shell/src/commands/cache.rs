@@ -50,7 +50,7 @@ impl Cache {
     }
 
     fn ordering_path(&self) -> Option<PathBuf> {
-        self.folder.as_ref().map(|folder| folder.join(format!("{}.order.npy", self.mesh_key)))
+        self.folder.as_ref().map(|folder| folder.join(format!("{}.order-2.npy", self.mesh_key)))
     }
 
     /// The kept basis, if there is one.

@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use artifact::picture::write_rgb8;
-use marker_track::{Canvas, Found, Paint, Params, Picture, detect, places_of_color};
+use marker_track::{Canvas, Found, Paint, Params, detect, places_of_color};
 use stage::{ImageSource, Run};
 use std::path::PathBuf;
 
@@ -70,7 +70,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     };
     let image = images.read_8_bits(path)?;
     run.input("image", path)?;
-    let picture = Picture::new(image.width, image.height, &image.rgb)?;
+    let picture = image.picture();
     let places = match arguments.color {
         Some(color) => places_of_color(&picture, color)?,
         None => arguments.at.clone(),

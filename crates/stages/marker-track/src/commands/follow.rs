@@ -3,9 +3,10 @@
 use super::guide::Guide;
 use anyhow::Context;
 use artifact::Sample2d;
-use marker_track::{GuideHits, Hint, Picture, Tracker};
+use artifact::picture::Image8;
+use marker_track::{GuideHits, Hint, Tracker};
 use rayon::prelude::*;
-use stage::{CameraImages, Image8, Run};
+use stage::{CameraImages, Run};
 
 /// Images read ahead, per camera.
 const BLOCK: usize = 16;
@@ -65,7 +66,7 @@ fn follow_block(run: &mut Run, cameras: &mut [Camera], plan: &Plan, block: &[usi
             let frames = plan.numbers[index].abs_diff(plan.numbers[camera.last]) as f64;
             let samples = camera
                 .tracker
-                .step(&Picture::new(image.width, image.height, &image.rgb)?, frames, hints.as_deref())
+                .step(&image.picture(), frames, hints.as_deref())
                 .with_context(|| format!("camera {}, frame {}", camera.id, plan.numbers[index]))?;
             camera.guided += camera.tracker.guide_hits();
             camera.strays[index] = camera.tracker.strays();

@@ -3,7 +3,7 @@
 use anyhow::bail;
 use artifact::picture::write_rgb8;
 use artifact::{FrameRange, FrameReader, TrackState, Tracks2d, Tracks2dFrame};
-use marker_track::{Canvas, Picture};
+use marker_track::Canvas;
 use stage::{CameraImages, Footage, ImageSource, Run};
 use std::path::{Path, PathBuf};
 
@@ -125,8 +125,7 @@ impl Seen<'_> {
 
     fn drawn(&self, place: usize, path: &Path, scale: u8) -> anyhow::Result<Canvas> {
         let image = self.images.read_8_bits(path)?;
-        let mut canvas =
-            Canvas::enlarged(&Picture::new(image.width, image.height, &image.rgb)?, scale.into());
+        let mut canvas = Canvas::enlarged(&image.picture(), scale.into());
         draw(&mut canvas, &self.tracks.frames[place.saturating_sub(self.tracks.tail)..=place], self.camera);
         Ok(canvas)
     }

@@ -4,7 +4,7 @@ use super::follow::Camera;
 use super::guide::Guide;
 use anyhow::bail;
 use artifact::Labels;
-use marker_track::{Error, GuideHits, Hint, Params, Picture, Tracker};
+use marker_track::{Error, GuideHits, Hint, Params, Tracker};
 use stage::{CameraImages, Footage, Run};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -88,13 +88,7 @@ impl Start<'_> {
     ) -> anyhow::Result<Option<Result<Tracker, Error>>> {
         let Some(path) = &images.paths[self.first] else { return Ok(None) };
         let image = images.read_8_bits(path)?;
-        Ok(Some(Tracker::start(
-            &Picture::new(image.width, image.height, &image.rgb)?,
-            images.transfer,
-            self.markers,
-            places,
-            self.params,
-        )))
+        Ok(Some(Tracker::start(&image.picture(), images.transfer, self.markers, places, self.params)))
     }
 
     fn camera(&self, id: &str, images: CameraImages, tracker: Tracker) -> Camera {

@@ -1,10 +1,10 @@
 //! Markers without a dot, and dots without a marker.
 
 use super::{Stray, Tracker};
+use crate::Picture;
 use crate::blobs::Blob;
 use crate::center::{Patch, Spot};
 use crate::matching::{Lost, Matches};
-use crate::picture::Picture;
 use crate::predict::MotionField;
 use crate::track::{Prediction, Track};
 
