@@ -19,8 +19,8 @@
 //! same bytes for any number of threads.
 //!
 //! At 725 000 vertices with 20 entries a row (one thread, two virtual Zen 5 cores shared with other work): ordering 0.9 s,
-//! analysis and factorisation 2.4 s, three columns 0.21 s, ninety responses 0.6 s; CHOLMOD with METIS takes 6.7, 4.9, 0.24 and
-//! 2.6 s. The factor has 1.06 times the entries that METIS' order gives.
+//! analysis and factorisation 2.4 s, three columns 0.15 s, ninety responses 0.6 s; CHOLMOD with METIS takes 6.7, 6.2, 0.25 and
+//! 2.5 s. The factor has 1.06 times the entries that METIS' order gives.
 //!
 //! ```
 //! use nalgebra::Point3;

@@ -5,21 +5,14 @@
               and a prefetch changes nothing but time: it cannot fault, whatever the address"
 )]
 
-/// Values on a cache line.
-#[cfg(target_arch = "x86_64")]
-const LINE: usize = 8;
-
-/// Asks for `count` values from place `start` on, as far as there are any.
+/// Asks for the cache line around a value; a place that is none does nothing.
 #[inline(always)]
-pub(crate) fn prefetch(values: &[f64], start: usize, count: usize) {
+pub(crate) fn prefetch(values: &[f64], place: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let end = (start + count).min(values.len());
-        for line in (start..end).step_by(LINE) {
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(values.as_ptr().wrapping_add(line).cast()) };
-        }
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(values.as_ptr().wrapping_add(place).cast()) };
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (values, start, count);
+    let _ = (values, place);
 }
