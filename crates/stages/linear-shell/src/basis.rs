@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Vertices that one task works on.
 const ROWS: usize = 4096;
 /// Vertices whose products for all frames stay in the cache.
-const BLOCK: usize = 64;
+const BLOCK: usize = 32;
 
 /// The response basis, #V × n: how far each vertex goes when a handle goes 1. In f32: the loss is 1e-5 mm.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,10 @@
 
 use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Rows of a tile: with `VECTORS` vectors each, their sums stay in sixteen registers.
+/// Rows of a tile: with `VECTORS` vectors each, their sums stay in the sixteen registers that most machines have, or in the
+/// thirty-two of those with vectors of sixteen lanes.
 const TILE: usize = 4;
+const WIDE_TILE: usize = 8;
 const VECTORS: usize = 3;
 /// Columns that a whole number of vectors fills, on any machine (sixteen lanes at most).
 const LANES: usize = 16;
@@ -83,18 +85,29 @@ impl WithSimd for Job<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        match S::F32_LANES == LANES {
+            true => self.by_tiles::<S, WIDE_TILE>(simd),
+            false => self.by_tiles::<S, TILE>(simd),
+        }
+    }
+}
+
+impl Job<'_> {
+    /// Tiles of `R` rows.
+    #[inline(always)]
+    fn by_tiles<S: Simd, const R: usize>(self, simd: S) {
         let Self { product: Product { coefficients, width, .. }, basis, products } = self;
         let handles = coefficients.len() / width;
-        let tiles = products.chunks_mut(TILE * width).zip(basis.chunks(TILE * handles));
+        let tiles = products.chunks_mut(R * width).zip(basis.chunks(R * handles));
         for (products, basis) in tiles {
             let mut column = 0;
             while column < *width {
                 let left = (width - column) / S::F32_LANES;
-                let step = match (left >= VECTORS, products.len() == TILE * width) {
+                let step = match (left >= VECTORS, products.len() == R * width) {
                     (true, true) => {
-                        tile::<S, TILE, VECTORS>(simd, coefficients, *width, column, basis, products)
+                        tile::<S, R, VECTORS>(simd, coefficients, *width, column, basis, products)
                     }
-                    (false, true) => tile::<S, TILE, 1>(simd, coefficients, *width, column, basis, products),
+                    (false, true) => tile::<S, R, 1>(simd, coefficients, *width, column, basis, products),
                     (_, false) => rows_left(simd, coefficients, *width, column, basis, products),
                 };
                 column += step;
