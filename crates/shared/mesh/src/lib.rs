@@ -5,7 +5,7 @@
 //! drops or reorders vertices except [`Mesh::keep_faces`], which says how.
 //!
 //! Methods see triangles: [`Mesh::triangles`] splits each polygon as a fan from its first corner, and
-//! [`Connectivity`] answers what lies beside what.
+//! [`Connectivity`] answers what lies beside what; [`openings()`] tells a mouth and eyes from the rims of the scan.
 //!
 //! ```
 //! use mesh::{Connectivity, Mesh};
@@ -18,6 +18,7 @@
 mod connectivity;
 mod mask;
 mod measure;
+mod openings;
 mod polygons;
 mod way;
 
@@ -26,5 +27,6 @@ pub use mask::VertexMap;
 pub use measure::{
     bounding_box, edge_length_median, loop_length, mixed_voronoi_areas, triangle_areas, vertex_normals,
 };
+pub use openings::{distance_to_loops, openings};
 pub use polygons::{Label, LabelKind, Mesh, NO_UV, Polygons};
 pub use way::shortest_way;

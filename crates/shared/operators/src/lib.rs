@@ -6,7 +6,6 @@
 //!
 //! - [`cotan_stiffness`], [`lumped_mass`], [`bilaplacian`]: assembly.
 //! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
-//! - [`openings()`]: which boundary loops are openings of the surface; [`distance_to_loops`].
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, substitution, and refinement of what it gives.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
@@ -43,7 +42,6 @@ mod elimination_tree;
 mod factor;
 mod fronts;
 mod matching;
-mod openings;
 mod ordering;
 mod prefetch;
 mod refinement;
@@ -57,7 +55,6 @@ mod walk;
 pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass, weighted_cotan_stiffness};
 pub use dirichlet::{Dirichlet, Responses};
 pub use factor::{Factor, FactorError};
-pub use openings::{distance_to_loops, openings};
 pub use ordering::{NotAPermutation, Ordering};
 pub use sprs::CsMat;
 pub use variation::Variation;

@@ -3,8 +3,9 @@
 use crate::prolongation::Prolongation;
 use crate::proxy::Keep;
 use crate::{Basis, Completion, Constraints, Error, Proxy, Surface};
+use mesh::distance_to_loops;
 use nalgebra::{Point3, Vector3};
-use operators::{Factor, Ordering, Variation, distance_to_loops};
+use operators::{Factor, Ordering, Variation};
 use rayon::prelude::*;
 
 /// Columns that are solved together; a fixed number, so that results do not depend on the threads.

@@ -68,7 +68,7 @@ impl Surface {
             Model::Paper => bilaplacian(&laplacian, &mass, params.stretching, params.bending_mm2),
             Model::SoftOpenings => bilaplacian(&laplacian, &mass, 0.0, 1.0),
         };
-        let openings = operators::openings(&around, &mesh.positions, params.smallest_opening_mm);
+        let openings = mesh::openings(&around, &mesh.positions, params.smallest_opening_mm);
         let openings_mm: Vec<f64> =
             openings.iter().map(|vertices| mesh::loop_length(&mesh.positions, vertices)).collect();
         let Slivers { tempered, collapsed } = slivers;

@@ -50,7 +50,7 @@ pub(crate) fn find(
     triangles: &[[u32; 3]],
     params: &Params,
 ) -> Result<(Rims, Frame), Error> {
-    let openings = operators::openings(around, points, params.smallest_opening_mm);
+    let openings = mesh::openings(around, points, params.smallest_opening_mm);
     let lengths_mm: Vec<f64> = openings.iter().map(|rim| loop_length(points, rim)).collect();
     let (mouth, eyes) = match (params.mouth, params.eyes) {
         (Some(mouth), Some([one, other])) => {

@@ -124,7 +124,7 @@ fn density(points: &[Point3<f64>], rims: &Rims, skin: &Skin, params: &Params) ->
         |rim: &[u32]| -> Vec<Point3<f64>> { rim.iter().map(|&vertex| points[vertex as usize]).collect() };
     let (lips, lids) = ([line(&rims.mouth)], [line(&rims.eyes[0]), line(&rims.eyes[1])]);
     let near = |loops: &[Vec<Point3<f64>>], point: &Point3<f64>| {
-        let share = operators::distance_to_loops(loops, point) / params.falloff_mm;
+        let share = mesh::distance_to_loops(loops, point) / params.falloff_mm;
         (-share * share).exp()
     };
     let at = |point: &Point3<f64>| {

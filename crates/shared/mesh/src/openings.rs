@@ -1,6 +1,6 @@
 //! Which boundary loops are openings of the face (mouth, eyes), and which are where the scan ends.
 
-use mesh::{Connectivity, loop_length};
+use crate::{Connectivity, loop_length};
 use nalgebra::{Point3, Vector3};
 
 /// A loop is the scan's outer rim (a mask's edge, the neck) if it is the longest of its part and reaches over more than
