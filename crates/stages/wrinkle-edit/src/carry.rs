@@ -27,8 +27,9 @@ impl Motion {
     pub(crate) fn of(from: &Moment, to: &Moment, camera: &str, ids: &[String]) -> Option<Self> {
         let pairs: Vec<[Place; 2]> = ids
             .iter()
-            .filter_map(|id| Some([from, to].map(|moment| spread(moment.sections_of(camera, id)?))))
-            .filter_map(|[from, to]| Some((from?, to?)))
+            .filter_map(|id| {
+                Some((spread(from.sections_of(camera, id)?)?, spread(to.sections_of(camera, id)?)?))
+            })
             .flat_map(|(from, to)| from.into_iter().zip(to).map(|(from, to)| [from, to]))
             .collect();
         if pairs.is_empty() {

@@ -194,6 +194,10 @@ impl Panel<'_> {
                 .clamp(self.corner[axis], last.saturating_sub(room[axis]).max(self.corner[axis]))
         });
         canvas.fill(spot, room, PAPER);
-        canvas.write(&text, [spot[0] + 2, spot[1]], color(valleys.first().copied().unwrap_or(end)));
+        canvas.write(
+            &text,
+            [spot[0] + 2, spot[1]],
+            color(valleys.first().copied().unwrap_or(&sections[sections.len() / 2])),
+        );
     }
 }

@@ -63,8 +63,12 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let picture = image.picture();
     let size = [picture.width, picture.height];
     let window = Window::around(size, panels.iter().flat_map(|(_, wrinkles)| wrinkles.values().flatten()));
+    let title = |name: &str| match panels.len() {
+        1 => format!("{id}, frame {number}"),
+        _ => format!("{name}: {id}, frame {number}"),
+    };
     let titled: Vec<(String, &Wrinkles)> =
-        panels.iter().map(|(name, wrinkles)| (format!("{name}: {id}, frame {number}"), wrinkles)).collect();
+        panels.iter().map(|(name, wrinkles)| (title(name), wrinkles)).collect();
     let titled: Vec<(&str, &Wrinkles)> =
         titled.iter().map(|(title, wrinkles)| (title.as_str(), *wrinkles)).collect();
     let canvas = Show { picture, window, scale: arguments.scale.into() }.panels(&titled)?;
