@@ -134,8 +134,8 @@ const CALLS: &[(&str, &[&str])] = &[
     (
         "wrinkle-edit",
         &[
-            "show", "--frames", DOCUMENT, "--sync", STREAM, "--after", STREAM, "--camera", "w1", "--frame", "1001",
-            "--out", "out.png",
+            "show", "--frames", DOCUMENT, "--sync", STREAM, "--after", STREAM, "--camera", "w1", "--frame",
+            "1001", "--out", "out.png",
         ],
     ),
     // `house new-stage` adds here

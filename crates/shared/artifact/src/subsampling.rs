@@ -87,7 +87,11 @@ mod tests {
             let color = |x: usize, k: usize| {
                 let own = |x: usize| row[x][k] - (0.299 * row[x][0] + 0.587 * row[x][1] + 0.114 * row[x][2]);
                 let block = |i: usize| 0.5 * (own(2 * i) + own(2 * i + 1));
-                let next = if x % 2 == 0 { (x / 2).saturating_sub(1) } else { (x / 2 + 1).min(SIZE / 2 - 1) };
+                let next = if x.is_multiple_of(2) {
+                    (x / 2).saturating_sub(1)
+                } else {
+                    (x / 2 + 1).min(SIZE / 2 - 1)
+                };
                 match halved {
                     None => own(x),
                     Some(false) => block(x / 2),
