@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # What tools that work on a take's folder share; to be sourced. Sets `root` and `bin`.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bin=${FURROW_BIN:-$root/target/release}

@@ -4,8 +4,9 @@ use crate::carry::Motion;
 use crate::change::{self, Quantity};
 use crate::draw::Drawn;
 use crate::moment::{Head, Moment};
+use crate::names;
 use crate::scope::Scope;
-use artifact::{CurveState, FrameRange, Section, Wrinkle};
+use artifact::{CurveState, FrameRange, Section};
 
 /// An edit.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,38 +72,14 @@ impl Edit {
 
     /// What it does to the list of wrinkles.
     pub(crate) fn edit_head(&self, head: &mut Head) {
-        let Head { cameras: _, wrinkles, profile: _ } = head;
-        let missing = |id: &String, wrinkles: &[Wrinkle]| wrinkles.iter().all(|wrinkle| wrinkle.id != *id);
+        let wrinkles = &mut head.wrinkles;
         match self {
-            Self::Draw(drawn) => {
-                let id = drawn.id().to_string();
-                if missing(&id, wrinkles) {
-                    wrinkles.push(Wrinkle { id, paint: None });
-                }
-            }
+            Self::Draw(drawn) => names::add(wrinkles, drawn.id(), None),
             Self::Delete { scope, everywhere: true } => {
                 wrinkles.retain(|wrinkle| !scope.ids.contains(&wrinkle.id));
             }
-            Self::Rename { to, scope, everywhere } => {
-                let renamed = wrinkles.iter_mut().find(|wrinkle| scope.ids.contains(&wrinkle.id));
-                match renamed {
-                    Some(wrinkle) if *everywhere => wrinkle.id.clone_from(to),
-                    Some(wrinkle) => {
-                        let added = Wrinkle { id: to.clone(), paint: wrinkle.paint.clone() };
-                        if missing(to, wrinkles) {
-                            wrinkles.push(added);
-                        }
-                    }
-                    None => {}
-                }
-            }
-            Self::Swap { scope, everywhere: true } => {
-                for wrinkle in wrinkles {
-                    if let Some(at) = scope.ids.iter().position(|id| *id == wrinkle.id) {
-                        wrinkle.id.clone_from(&scope.ids[1 - at]);
-                    }
-                }
-            }
+            Self::Rename { to, scope, everywhere } => names::rename(wrinkles, &scope.ids[0], to, *everywhere),
+            Self::Swap { scope, everywhere: true } => names::swap(wrinkles, &scope.ids),
             _ => {}
         }
     }
@@ -149,7 +126,7 @@ impl Edit {
                 each(moment, camera, scope, tally, |sections| change::set(sections, *what, *to, strength))
             }
             Self::Draw(drawn) => {
-                absent(moment, camera, drawn.id(), "delete it there first")?;
+                names::refuse_taken(moment, camera, drawn.id(), "delete it there first")?;
                 match drawn.draw(moment, all, step_px) {
                     true => tally.changed += 1,
                     false => tally.lost += 1,
@@ -157,29 +134,15 @@ impl Edit {
                 Ok(())
             }
             Self::Delete { scope, .. } => {
-                for id in &scope.ids {
-                    tally.changed += usize::from(moment.shows(camera, id));
-                    moment.take(camera, id);
-                }
+                tally.changed += names::delete_in(moment, camera, &scope.ids);
                 Ok(())
             }
             Self::Rename { to, scope, .. } => {
-                for id in scope.ids.iter().filter(|id| moment.shows(camera, id)).cloned().collect::<Vec<_>>()
-                {
-                    absent(moment, camera, to, "swap the two, or delete one there first")?;
-                    let (sections, curve) = moment.take(camera, &id);
-                    moment.put(camera, to, sections, curve);
-                    tally.changed += 1;
-                }
+                tally.changed += names::rename_in(moment, camera, &scope.ids[0], to)?;
                 Ok(())
             }
             Self::Swap { scope, .. } => {
-                let [one, other] = [0, 1].map(|k| scope.ids[k].clone());
-                let taken = [&one, &other].map(|id| (moment.shows(camera, id), moment.take(camera, id)));
-                for ((shown, (sections, curve)), id) in taken.into_iter().zip([&other, &one]) {
-                    moment.put(camera, id, sections, curve);
-                    tally.changed += usize::from(shown);
-                }
+                tally.changed += names::swap_in(moment, camera, &scope.ids);
                 Ok(())
             }
             Self::Copy { from, scope, follow } => {
@@ -209,13 +172,6 @@ fn each(
         tally.changed += 1;
     }
     Ok(())
-}
-
-fn absent(moment: &Moment, camera: &str, id: &str, advice: &str) -> Result<(), String> {
-    match moment.shows(camera, id) {
-        true => Err(format!("there is a wrinkle {id} already; {advice}")),
-        false => Ok(()),
-    }
 }
 
 /// Takes a wrinkle over from another frame: its profile, or all of it where it is not to be seen.

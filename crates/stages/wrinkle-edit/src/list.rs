@@ -2,7 +2,8 @@
 
 use crate::edit::{Edit, Tally};
 use crate::moment::{Head, Moment};
-use crate::read::{KeyWords, Line, read};
+use crate::read::{Line, read};
+use crate::read_drawn::KeyWords;
 use crate::{Error, Params};
 use artifact::FrameRange;
 

@@ -1,26 +1,22 @@
 //! From a line of a list to an edit.
 
 use crate::change::Quantity;
-use crate::draw::{Drawn, Key, Shape};
 use crate::edit::Edit;
 use crate::moment::Head;
+use crate::read_drawn::{KeyWords, draw, key};
 use crate::scope::Scope;
-use crate::spline::through;
 use crate::words::{Clauses, number};
 use artifact::{FrameRange, Profile, matches};
-use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 /// Factors of depths and widths.
 const FACTORS: RangeInclusive<f64> = 0.0..=100.0;
 /// Depths and widths, px.
-const LENGTHS: RangeInclusive<f64> = 0.0..=1000.0;
+pub(crate) const LENGTHS: RangeInclusive<f64> = 0.0..=1000.0;
 /// Depth over width.
 const RATIOS: RangeInclusive<f64> = 0.0..=10.0;
 /// ε, and ± κ.
 const SHAPES: RangeInclusive<f64> = 0.0..=0.95;
-/// Places that a wrinkle is drawn by, at most.
-const PLACES: usize = 1000;
 
 /// What a line says.
 pub(crate) enum Line {
@@ -28,28 +24,6 @@ pub(crate) enum Line {
     Edit(Edit),
     /// Another look of a wrinkle that was drawn before: its id, its camera, the frame.
     Key(String, String, i64, KeyWords),
-}
-
-/// The parts of a key; what is not said is that of the wrinkle's first key.
-pub(crate) struct KeyWords {
-    pub(crate) controls: Vec<crate::spline::Place>,
-    widths: Option<Vec<f64>>,
-    depths: Option<Vec<f64>>,
-    epsilon: Option<f64>,
-    kappa: Option<f64>,
-}
-
-impl KeyWords {
-    /// With the numbers of another key where none are said.
-    pub(crate) fn or(self, first: &Shape) -> Key {
-        let shape = Shape {
-            widths: self.widths.unwrap_or_else(|| first.widths.clone()),
-            depths: self.depths.unwrap_or_else(|| first.depths.clone()),
-            epsilon: self.epsilon.unwrap_or(first.epsilon),
-            kappa: self.kappa.unwrap_or(first.kappa),
-        };
-        Key { controls: self.controls, shape }
-    }
 }
 
 /// Reads the words of a line; ids and cameras are those of the head as the lines before leave it.
@@ -102,7 +76,7 @@ fn usage(verb: &str) -> &'static str {
     }
 }
 
-fn within(name: &str, value: f64, range: &RangeInclusive<f64>) -> Result<f64, String> {
+pub(crate) fn within(name: &str, value: f64, range: &RangeInclusive<f64>) -> Result<f64, String> {
     match range.contains(&value) {
         true => Ok(value),
         false => Err(format!("{name} {value} is out of range: write {} to {}", range.start(), range.end())),
@@ -142,7 +116,7 @@ fn one_of(id: &str, head: &Head) -> Result<String, String> {
     }
 }
 
-fn cameras(clauses: &Clauses, head: &Head) -> Result<Vec<String>, String> {
+pub(crate) fn cameras(clauses: &Clauses, head: &Head) -> Result<Vec<String>, String> {
     let Some(cameras) = clauses.list("in")? else { return Ok(head.cameras.clone()) };
     match cameras.iter().find(|camera| !head.cameras.contains(camera)) {
         Some(none) => Err(format!("there is no camera '{none}'; there are {}", listed(head.cameras.iter()))),
@@ -151,7 +125,7 @@ fn cameras(clauses: &Clauses, head: &Head) -> Result<Vec<String>, String> {
 }
 
 /// The scope of an edit whose wrinkles are known.
-fn scope_of(clauses: &Clauses, ids: Vec<String>, head: &Head) -> Result<Scope, String> {
+pub(crate) fn scope_of(clauses: &Clauses, ids: Vec<String>, head: &Head) -> Result<Scope, String> {
     let frames = clauses.frames()?.unwrap_or(FrameRange::ALL);
     Ok(Scope { ids, cameras: cameras(clauses, head)?, frames, ease: clauses.ease(frames)? })
 }
@@ -196,18 +170,18 @@ fn set(what: &str, to: &str, rest: &[&str], head: &Head) -> Result<Edit, String>
     Ok(Edit::Set { what, to, scope: scope(rest, head)? })
 }
 
-fn width(value: f64) -> Result<f64, String> {
+pub(crate) fn width(value: f64) -> Result<f64, String> {
     match value > 0.0 {
         true => within("the width", value, &LENGTHS),
         false => Err(format!("the width {value} is not positive")),
     }
 }
 
-fn rounding(value: f64, head: &Head) -> Result<f64, String> {
+pub(crate) fn rounding(value: f64, head: &Head) -> Result<f64, String> {
     has_shape(value, head).and_then(|value| within("epsilon", value, &SHAPES))
 }
 
-fn asymmetry(value: f64, head: &Head) -> Result<f64, String> {
+pub(crate) fn asymmetry(value: f64, head: &Head) -> Result<f64, String> {
     let most = *SHAPES.end();
     has_shape(value, head).and_then(|value| within("kappa", value, &(-most..=most)))
 }
@@ -236,7 +210,7 @@ fn rename(from: &str, to: &str, rest: &[&str], head: &Head) -> Result<Edit, Stri
     Ok(Edit::Rename { to: to.to_string(), scope, everywhere })
 }
 
-fn frame(clauses: &Clauses, key: &str) -> Result<i64, String> {
+pub(crate) fn frame(clauses: &Clauses, key: &str) -> Result<i64, String> {
     let word = clauses.needed(key)?;
     word.parse().map_err(|_| format!("'{word}' is no frame number"))
 }
@@ -249,74 +223,11 @@ fn copy(ids: &str, rest: &[&str], head: &Head) -> Result<Edit, String> {
 }
 
 /// The wrinkles that something follows; `not` cannot be followed.
-fn followed(clauses: &Clauses, head: &Head, not: &[&str]) -> Result<Vec<String>, String> {
+pub(crate) fn followed(clauses: &Clauses, head: &Head, not: &[&str]) -> Result<Vec<String>, String> {
     let Some(list) = clauses.word("follow")? else { return Ok(Vec::new()) };
     let ids: Vec<String> = known(list, head)?.into_iter().filter(|id| !not.contains(&id.as_str())).collect();
     match ids.is_empty() {
         true => Err("a wrinkle cannot follow itself".into()),
         false => Ok(ids),
     }
-}
-
-const LOOK: [&str; 8] = ["in", "at", "through", "controls", "width", "depth", "epsilon", "kappa"];
-
-fn draw(id: &str, rest: &[&str], head: &Head) -> Result<Edit, String> {
-    let clauses = Clauses::of(rest, &[&LOOK[..], &["frames", "ease", "follow"]].concat())?;
-    if id.contains([',', '*', '?']) {
-        return Err(format!("'{id}' is no id: commas, * and ? mean something in edits"));
-    }
-    let look = look(&clauses, head)?;
-    let (Some(widths), Some(depths)) = (&look.widths, &look.depths) else {
-        return Err("a drawn wrinkle needs a width and a depth, px".into());
-    };
-    let first = Shape { widths: widths.clone(), depths: depths.clone(), epsilon: 0.0, kappa: 0.0 };
-    let mut scope = scope_of(&clauses, vec![id.to_string()], head)?;
-    scope.cameras = vec![camera(&clauses, head)?];
-    let keys = BTreeMap::from([(frame(&clauses, "at")?, look.or(&first))]);
-    Ok(Edit::Draw(Drawn { scope, keys, follow: followed(&clauses, head, &[id])? }))
-}
-
-fn key(id: &str, rest: &[&str], head: &Head) -> Result<Line, String> {
-    let clauses = Clauses::of(rest, &LOOK)?;
-    let look = look(&clauses, head)?;
-    Ok(Line::Key(id.to_string(), camera(&clauses, head)?, frame(&clauses, "at")?, look))
-}
-
-fn camera(clauses: &Clauses, head: &Head) -> Result<String, String> {
-    clauses.needed("in")?;
-    match cameras(clauses, head)?.as_slice() {
-        [camera] => Ok(camera.clone()),
-        _ => Err("a wrinkle is drawn in the image of one camera; draw it in each".into()),
-    }
-}
-
-fn look(clauses: &Clauses, head: &Head) -> Result<KeyWords, String> {
-    let controls = match (clauses.places("through")?, clauses.places("controls")?) {
-        (Some(_), Some(_)) => return Err("write either 'through' or 'controls'".into()),
-        (Some(places), None) if (2..=PLACES).contains(&places.len()) => through(&places),
-        (None, Some(controls)) if (4..=PLACES).contains(&controls.len()) => controls,
-        (Some(_), None) => return Err(format!("'through' takes 2 to {PLACES} places")),
-        (None, Some(_)) => return Err(format!("'controls' takes 4 to {PLACES} control points")),
-        (None, None) => return Err("where is it? write: through X,Y X,Y …".into()),
-    };
-    let length: f64 = controls.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-    if !(1.0..=1e5).contains(&length) {
-        return Err(format!("its places make a curve of {length:.1} px; they must lie apart, in px"));
-    }
-    let numbers = |key: &str, check: &dyn Fn(f64) -> Result<f64, String>| {
-        let values = clauses.numbers(key)?;
-        values.map(|values| values.into_iter().map(check).collect::<Result<Vec<f64>, String>>()).transpose()
-    };
-    let one = |values: Option<Vec<f64>>, key: &str| match values.as_deref() {
-        None => Ok(None),
-        Some([value]) => Ok(Some(*value)),
-        Some(_) => Err(format!("'{key}' takes one number")),
-    };
-    Ok(KeyWords {
-        controls,
-        widths: numbers("width", &width)?,
-        depths: numbers("depth", &|depth| within("the depth", depth, &LENGTHS))?,
-        epsilon: one(numbers("epsilon", &|value| rounding(value, head))?, "epsilon")?,
-        kappa: one(numbers("kappa", &|value| asymmetry(value, head))?, "kappa")?,
-    })
 }
