@@ -25,6 +25,11 @@ demo-real *ARGS: build
 capture *ARGS: build
     @tools/capture "$@"
 
+# From a take's footage and painted masks to the wrinkles' cross-sections, with a table and pictures: wrinkles TAKE [OUT] [OPTIONS]
+[group('use')]
+wrinkles *ARGS: build
+    @tools/wrinkles "$@"
+
 # A take of the virtual rig with its truth: virtual-take NAME [OUT] [OPTIONS], e.g. standard-2-short; alone it lists the names
 [group('use')]
 virtual-take *ARGS:

@@ -26,6 +26,8 @@ const EXACT_TIME: f64 = 1e-9;
 const EXACT_PX: f64 = 1e-6;
 /// Cameras of an adjustment, which ends where a step changes little.
 const ADJUSTED: f64 = 1e-5;
+/// Cross-sections of a fit, which ends where a step changes little; px, and shares.
+const FITTED: f64 = 1e-3;
 /// Sequences are single precision: half a unit in the last place of 128 mm is 4e-6 mm.
 const SEQUENCE_MM: f64 = 1e-4;
 /// Pictures: a value between two levels may be rounded either way.
@@ -143,6 +145,22 @@ const STAGES: &[Stage] = &[
              --masks 00-virtual-rig/take/paint-mask --model 10-wrinkle-track/paint.json --out 10-wrinkle-track/wrinkles.jsonl",
         ],
         artifacts: &[("wrinkles.jsonl", Numbers(EXACT_PX))],
+    },
+    Stage {
+        folder: "11-cross-section",
+        calls: &[
+            "cross-section measure --take 00-virtual-rig/take/take.json --sync 01-capture-sync/sync.jsonl \
+             --wrinkles 10-wrinkle-track/wrinkles.jsonl --step-px 8 --out 11-cross-section/sections.jsonl",
+        ],
+        artifacts: &[("sections.jsonl", Numbers(FITTED))],
+    },
+    Stage {
+        folder: "12-wrinkle-edit",
+        calls: &[
+            "wrinkle-edit apply --sections 11-cross-section/sections.jsonl --scale-depth 2 --scale-width 0.5 \
+             --out 12-wrinkle-edit/sections.jsonl",
+        ],
+        artifacts: &[("sections.jsonl", Numbers(EXACT_PX))],
     },
 ];
 
@@ -312,6 +330,16 @@ fn wrinkle_track_makes_the_golden_curves() {
 }
 
 #[test]
+fn cross_section_makes_the_golden_sections() {
+    alone("11-cross-section");
+}
+
+#[test]
+fn wrinkle_edit_makes_the_golden_edit() {
+    alone("12-wrinkle-edit");
+}
+
+#[test]
 fn the_whole_chain_ends_in_the_golden_sequence() {
     let folder = tempfile::tempdir().expect("a folder");
     if is_rewriting() {
@@ -374,6 +402,8 @@ fn the_yardsticks_see_what_is_off() {
         ("07-linear-shell/large-scale.json", "\"frames\":[", 1.0, Numbers(0.0)),
         ("08-mesh-clip/face.obj", "v ", 3e-6, Distance(EXACT_MM)),
         ("10-wrinkle-track/wrinkles.jsonl", "\"controls\":[[", 3e-6, Numbers(EXACT_PX)),
+        ("11-cross-section/sections.jsonl", "\"d_px\":", 3e-3, Numbers(FITTED)),
+        ("12-wrinkle-edit/sections.jsonl", "\"w_px\":", 3e-6, Numbers(EXACT_PX)),
     ];
     for (file, after, by, yardstick) in cases {
         let golden = tiny_face().join(file);

@@ -130,6 +130,14 @@ const CALLS: &[(&str, &[&str])] = &[
             "out.jsonl",
         ],
     ),
+    ("wrinkle-edit", &["apply", "--sections", STREAM, "--scale-depth", "2", "--out", "out.jsonl"]),
+    (
+        "wrinkle-edit",
+        &[
+            "show", "--frames", DOCUMENT, "--sync", STREAM, "--after", STREAM, "--camera", "w1", "--frame",
+            "1001", "--out", "out.png",
+        ],
+    ),
     // `house new-stage` adds here
 ];
 

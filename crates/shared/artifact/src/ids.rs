@@ -68,3 +68,52 @@ impl Known<'_> {
         Ok(())
     }
 }
+
+/// Whether an id is the pattern, in which `*` stands for anything and `?` for one character. An id that holds such
+/// a character is matched by itself too.
+#[must_use]
+pub fn matches(pattern: &str, id: &str) -> bool {
+    let (pattern_chars, id_chars): (Vec<char>, Vec<char>) = (pattern.chars().collect(), id.chars().collect());
+    pattern == id || glob(&pattern_chars, &id_chars)
+}
+
+fn glob(pattern: &[char], text: &[char]) -> bool {
+    // Greedy, with one place to fall back to: the last star.
+    let (mut p, mut t) = (0, 0);
+    let mut star = None;
+    while t < text.len() {
+        if p < pattern.len() && pattern[p] == '*' {
+            star = Some((p, t));
+            p += 1;
+        } else if p < pattern.len() && (pattern[p] == '?' || pattern[p] == text[t]) {
+            (p, t) = (p + 1, t + 1);
+        } else if let Some((at, from)) = star {
+            star = Some((at, from + 1));
+            (p, t) = (at + 1, from + 1);
+        } else {
+            return false;
+        }
+    }
+    pattern[p..].iter().all(|&c| c == '*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_match_as_in_a_shell() {
+        for (pattern, id, expected) in [
+            ("root-*", "root-1", true),
+            ("root-*", "roof-1", false),
+            ("*", "", true),
+            ("a?c*e", "abcdxe", true),
+            ("a?c*e", "acde", false),
+            ("*1", "section11-2", false),
+            ("we*rd", "we*rd", true),
+            ("Unlabeled*", "Unlabeled1", true),
+        ] {
+            assert_eq!(matches(pattern, id), expected, "{pattern} {id}");
+        }
+    }
+}

@@ -87,7 +87,7 @@ pub use finite::finite;
 pub use frames::{CameraFrames, FrameRun, Frames};
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};
 pub use head_pose::{HeadPose, HeadPoseFrame, HeadPoseHeader};
-pub use ids::PerCamera;
+pub use ids::{PerCamera, matches};
 pub use image_pattern::{files, image_numbers, image_path, subfolders};
 pub use labels::Labels;
 pub use large_scale::{LargeScale, SequenceForm};

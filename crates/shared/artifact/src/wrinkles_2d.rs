@@ -71,6 +71,50 @@ pub struct Curve2d {
     pub paint: Vec<PaintWidth>,
 }
 
+impl Curve2d {
+    /// The parameter of its end, which is how many spans it has.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.controls.len().saturating_sub(3) as f64
+    }
+
+    /// The place at a parameter, px.
+    ///
+    /// # Panics
+    /// With fewer than four control points, which no file holds.
+    #[must_use]
+    pub fn at(&self, u: f64) -> [f64; 2] {
+        self.blended(u, |v, w| {
+            [
+                w * w * w,
+                3.0 * v * v * v - 6.0 * v * v + 4.0,
+                -3.0 * v * v * v + 3.0 * v * v + 3.0 * v + 1.0,
+                v * v * v,
+            ]
+        })
+    }
+
+    /// The derivative by the parameter, px.
+    ///
+    /// # Panics
+    /// As [`Curve2d::at`].
+    #[must_use]
+    pub fn derivative(&self, u: f64) -> [f64; 2] {
+        self.blended(u, |v, w| {
+            [-3.0 * w * w, 9.0 * v * v - 12.0 * v, -9.0 * v * v + 6.0 * v + 3.0, 3.0 * v * v]
+        })
+    }
+
+    /// The sum of the four control points of a span by sixths, which follow from v and 1 − v.
+    fn blended(&self, u: f64, sixths: impl Fn(f64, f64) -> [f64; 4]) -> [f64; 2] {
+        let span = (u.max(0.0) as usize).min(self.controls.len() - 4);
+        let v = u - span as f64;
+        let sixths = sixths(v, 1.0 - v);
+        let controls = &self.controls[span..span + 4];
+        [0, 1].map(|axis| (0..4).map(|i| sixths[i] * controls[i][axis]).sum::<f64>() / 6.0)
+    }
+}
+
 /// Where a curve comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -173,5 +217,30 @@ pub(crate) fn check_rising(
             Err(Violation::new(place, format!("{name} {after} follows {name} {before}; they must rise")))
         }
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_is_what_its_documentation_says() {
+        let controls = vec![[0.0, 6.0], [6.0, 0.0], [12.0, 0.0], [18.0, 6.0], [24.0, 0.0]];
+        let curve = Curve2d { controls, state: CurveState::Seen, confidence: 1.0, paint: vec![] };
+        // By hand: (1 4 1)/6 at the knots, (1 23 23 1)/48 between them.
+        for (u, at) in [(0.0, [6.0, 1.0]), (0.5, [9.0, 0.25]), (1.0, [12.0, 1.0]), (2.0, [18.0, 4.0])] {
+            assert!(
+                (0..2).all(|axis| (curve.at(u)[axis] - at[axis]).abs() < 1e-12),
+                "{u}: {:?}",
+                curve.at(u)
+            );
+        }
+        let (step, u) = (1e-6, 1.3);
+        for axis in 0..2 {
+            let slope = (curve.at(u + step)[axis] - curve.at(u - step)[axis]) / (2.0 * step);
+            assert!((curve.derivative(u)[axis] - slope).abs() < 1e-6);
+        }
+        assert!(curve.end() == 2.0);
     }
 }

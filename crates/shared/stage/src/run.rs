@@ -6,6 +6,7 @@ use artifact::provenance::{self, Provenance};
 use artifact::{FileRef, Staged};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -161,16 +162,18 @@ impl Run {
     /// # Errors
     /// Names the output.
     pub fn check_outputs(&self, paths: &[&Path]) -> anyhow::Result<()> {
-        let paths: Vec<&Path> =
-            paths.iter().copied().filter(|path| !artifact::is_standard_stream(path)).collect();
-        for (i, path) in paths.iter().enumerate() {
-            if self.input_paths.iter().any(|input| same_file(input, path)) {
+        let paths = paths.iter().copied().filter(|path| !artifact::is_standard_stream(path));
+        let inputs: Vec<PathBuf> = self.input_paths.iter().map(|input| place(input)).collect();
+        let mut taken = HashSet::new();
+        for path in paths {
+            let place = place(path);
+            if inputs.contains(&place) {
                 bail!(
                     "{}: would be written over an input\n  to do: give the output another name",
                     path.display()
                 );
             }
-            if paths[..i].iter().any(|other| same_file(other, path)) {
+            if !taken.insert(place) {
                 bail!("{}: is the name of two outputs\n  to do: name two files", path.display());
             }
         }
@@ -235,18 +238,23 @@ impl Run {
         {
             self.print(&format!("  {}: {}", key.replace('_', " "), shown(value)));
         }
-        self.outputs.iter().for_each(|output| self.print(&format!("  → {output}")));
+        let shown = if self.outputs.len() > MANY { &self.outputs[..1] } else { &self.outputs };
+        shown.iter().for_each(|output| self.print(&format!("  → {output}")));
+        if shown.len() < self.outputs.len() {
+            self.print(&format!("  → and {} more", self.outputs.len() - shown.len()));
+        }
         Ok(())
     }
 }
 
-/// Whether two paths name one file, also where it is still to be made.
-fn same_file(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| -> Option<PathBuf> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        path.canonicalize().ok().or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
-    };
-    a == b || place(a).is_some_and(|a| place(b) == Some(a))
+/// More outputs are counted, not listed.
+const MANY: usize = 12;
+
+/// Where a path leads, also where the file is still to be made: two paths of one file lead to the same place.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_path_buf())
 }
 
 /// The folder of an output, if it is not there and is not one to be made.

@@ -38,6 +38,18 @@ pub enum Error {
         /// All pixels.
         all: usize,
     },
+    /// What is marked, or lies around it, is too bright or too dark to be told from anything.
+    #[error(
+        "of {all} px that are marked as {paint} or lie around them, {clipped} are black or saturated; nothing can be learnt from those\n  to do: expose so that neither paint nor skin is clipped in any channel"
+    )]
+    Clipped {
+        /// The paint.
+        paint: String,
+        /// Clipped pixels.
+        clipped: usize,
+        /// All of them.
+        all: usize,
+    },
     /// The mask has another size than the image.
     #[error("has {} × {} px, but the image {} × {}\n  to do: paint over the image itself, without scaling it", mask[0], mask[1], image[0], image[1])]
     MaskSize {

@@ -45,7 +45,7 @@ const LEAST: usize = 20;
 /// rest. Always the same ones, spread evenly.
 ///
 /// # Errors
-/// [`Error::FewPixels`], with the number of the paint as its name.
+/// [`Error::FewPixels`], or [`Error::Clipped`] where exposure is why; with the number of the paint as its name.
 pub fn choose(views: &[View], paint: u8, floor: f64, most: usize) -> Result<Vec<Chosen>, Error> {
     let third = (most / 3).max(1);
     let mut pools = Pools::default();
@@ -54,6 +54,10 @@ pub fn choose(views: &[View], paint: u8, floor: f64, most: usize) -> Result<Vec<
     }
     let (painted, near) = (pools.painted.len(), pools.near.len());
     if painted < LEAST || near < LEAST {
+        let all = painted + near + pools.clipped;
+        if pools.clipped > all / 4 {
+            return Err(Error::Clipped { paint: paint.to_string(), clipped: pools.clipped, all });
+        }
         let all = views.iter().map(|view| view.labels.len()).sum();
         return Err(Error::FewPixels { paint: paint.to_string(), painted, all });
     }
@@ -83,6 +87,8 @@ struct Pools {
     painted: Vec<Pixel>,
     near: Vec<Pixel>,
     far: BTreeMap<[i64; 2], Vec<Pixel>>,
+    /// Paint, and what is near it, too bright or too dark to be looked at.
+    clipped: usize,
 }
 
 impl Pools {
@@ -94,10 +100,11 @@ impl Pools {
         let near = (0..NEAR_PX).fold(painted.clone(), |bits, _| bits.dilated());
         let logs = picture.logs(floor);
         for pixel in 0..width * height {
+            let (column, row) = ((pixel % width) as i64, (pixel / width) as i64);
             if view.labels[pixel] == UNKNOWN || picture.is_clipped(pixel) {
+                self.clipped += usize::from(near.get(column, row));
                 continue;
             }
-            let (column, row) = ((pixel % width) as i64, (pixel / width) as i64);
             let rank = rank(pixel);
             let is_painted = painted.get(column, row);
             let on_edge = if is_painted { !inner.get(column, row) } else { outer.get(column, row) };

@@ -151,7 +151,9 @@ fn masks_are_written_in_the_colours_they_were_marked_in() {
     done(&folder, &TRAIN);
     done(&folder, &["apply", "--model", "model.json", "--out", "found", "--range", "1001-1004"]);
     let files: Vec<_> = std::fs::read_dir(folder.path().join("found/w1")).unwrap().collect();
-    assert_eq!(files.len(), 2);
+    assert_eq!(files.len(), 4, "two masks, each with its side-car");
+    let record = std::fs::read_to_string(folder.path().join("found/w1/001003.png.prov.json")).unwrap();
+    assert!(record.contains("wrinkle-track apply") && record.contains("model.json"), "{record}");
     let found = read_rgb(&folder.path().join("found/w1/000001.png").with_file_name("001001.png"))
         .unwrap()
         .to_8_bits();
@@ -218,6 +220,35 @@ fn subsampled_footage_is_warned_about() {
     let folder = take_of(Look { subsampled: true, ..Look::default() });
     assert!(done(&folder, &TRAIN).contains("4:2:0"));
     assert!(!done(&take(), &TRAIN).contains("4:2:0"));
+}
+
+#[test]
+fn clipped_paint_is_refused_by_the_number_of_its_pixels() {
+    let folder = take();
+    for level in [255, 0] {
+        write_image(&folder.path().join("w1/001001.png"), &vec![level; 3 * SIZE[0] * SIZE[1]]);
+        refused(&folder, &TRAIN_NEW, &["masks", "green", "are black or saturated", "expose"]);
+    }
+}
+
+#[test]
+fn a_wrinkle_that_leaves_the_image_is_followed_to_its_edge() {
+    let folder = take();
+    for (index, frame) in FRAMES.into_iter().enumerate().filter(|(_, frame)| *frame != MISSING) {
+        let gone: Vec<Stroke> =
+            strokes().iter().map(|stroke| stroke.moved([60.0 * index as f64, 0.0])).collect();
+        let codes = draw(&gone, Look { seed: frame as u64, ..Look::default() });
+        write_image(&folder.path().join(format!("w1/{frame:06}.png")), &codes);
+    }
+    done(&folder, &TRAIN);
+    done(&folder, &[&TRACK[..], &["--gate-px", "90", "--hold", "0"]].concat());
+    let frames = frames(&folder);
+    let first = &frames[0].curves["w1"];
+    assert!(first.len() == 3 && frames[4].curves["w1"].is_empty(), "all are out of the image at last");
+    for curve in frames.iter().flat_map(|frame| frame.curves["w1"].values()) {
+        assert!((0..=20).all(|i| curve.at(curve.end() * f64::from(i) / 20.0)[0] < SIZE[0] as f64 + 2.0));
+    }
+    assert!(frames[1].curves["w1"].values().any(|curve| curve.confidence < 0.95), "less of it is to be seen");
 }
 
 #[test]

@@ -155,7 +155,7 @@ impl Tally {
         }
         for camera in &self.subsampled {
             run.warn(format!(
-                "camera {camera}: colours look as if they were stored at half the size of the image (4:2:0), which blurs valleys and the edges of paint; film or export without chroma subsampling"
+                "camera {camera}: colours look as if they were stored at half the size of the image (4:2:0 or 4:2:2), which blurs valleys and the edges of paint; film or export without chroma subsampling"
             ));
         }
         if self.saturated + self.black > 0 {

@@ -68,7 +68,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     drop(progress);
     run.result("images", count);
     run.result("painted_px", painted);
-    outputs.into_iter().try_for_each(|output| Ok(output.publish()?))
+    run.publish(outputs)
 }
 
 /// The images of a camera that are asked for.

@@ -88,7 +88,7 @@ impl MaskSource {
         }
         if is_subsampled(shot.picture.width, shot.picture.levels.as_flattened()) == Some(true) {
             run.warn(format!(
-                "camera {camera}: colours look as if they were stored at half the size of the image (4:2:0), which blurs the edges of paint; film or export without chroma subsampling"
+                "camera {camera}: colours look as if they were stored at half the size of the image (4:2:0 or 4:2:2), which blurs the edges of paint; film or export without chroma subsampling"
             ));
         }
         Ok(MaskedShot { camera: camera.to_string(), images, index, shot, mask, mask_path: path })

@@ -123,6 +123,7 @@ fn chosen(paints: &[MarkedPaint], views: &[View], most: usize) -> Result<Vec<Vec
             Error::FewPixels { painted, all, .. } => {
                 Error::FewPixels { paint: paint.name.clone(), painted, all }
             }
+            Error::Clipped { clipped, all, .. } => Error::Clipped { paint: paint.name.clone(), clipped, all },
             other => other,
         })
     };
