@@ -70,6 +70,29 @@ proptest! {
             }
         }
     }
+
+    /// Following is equivariant: a rigid motion of what is followed moves what follows rigidly.
+    #[test]
+    fn what_follows_turns_with_the_skin(angle in -0.8..0.8f64, x in -20.0..20.0f64, y in -20.0..20.0f64) {
+        let turn = |[a, b]: [f64; 2]| {
+            let (sin, cos) = angle.sin_cos();
+            [cos * a - sin * b + x, sin * a + cos * b + y]
+        };
+        let list = "wrinkle-edits/1\ndraw new in w1 at 1001 through 5,60 30,66 70,60 width 4 depth 2 follow brow_1,smile";
+        let edits = Edits::parse(list, &head()).unwrap();
+        let mut frames = moments()[..2].to_vec();
+        let still = frames[0].sections.clone();
+        frames[1].sections = still;
+        for section in frames[1].sections.iter_mut().flat_map(|all| all.values_mut()).flat_map(|all| all.values_mut()).flatten() {
+            section.at = turn(section.at);
+        }
+        Editor::new(&edits, &Params::default()).unwrap().apply(&mut frames).unwrap();
+        let drawn = |frame| of(&frames, frame, "w1", "new").unwrap();
+        for (one, other) in drawn(1001).iter().zip(drawn(1005)) {
+            let at = turn(one.at);
+            prop_assert!((at[0] - other.at[0]).abs() < 1e-9 && (at[1] - other.at[1]).abs() < 1e-9);
+        }
+    }
 }
 
 #[test]
@@ -101,6 +124,11 @@ fn renaming_there_and_back_changes_nothing() {
         let edits = Edits::parse(&format!("wrinkle-edits/1\n{list}"), &head()).unwrap();
         assert_eq!(edits.edited(&head()), head());
     }
+    let swapped = done("swap brow_1 smile in w1 frames 1005-");
+    let before = moments();
+    assert_eq!(of(&swapped, 1005, "w1", "brow_1"), of(&before, 1005, "w1", "smile"));
+    assert_eq!(of(&swapped, 1005, "w1", "smile"), of(&before, 1005, "w1", "brow_1"));
+    assert!(of(&swapped, 1009, "w1", "brow_1").is_none(), "smile was not to be seen");
     let once = Edits::parse("wrinkle-edits/1\nrename smile grin", &head()).unwrap().edited(&head());
     let ids: Vec<String> = once.wrinkles.into_iter().map(|wrinkle| wrinkle.id).collect();
     assert_eq!(ids, ["brow_1", "brow_2", "grin"]);
@@ -128,6 +156,15 @@ fn an_ease_goes_from_the_measured_to_the_wanted() {
     assert!((depth(1001) - was(1001)).abs() < 1e-12);
     for (frame, strength) in [(1005, 1.0 / 9.0), (1009, 5.0 / 9.0), (1013, 1.0), (1017, 1.0)] {
         assert!((depth(frame) - (was(frame) + strength * (8.0 - was(frame)))).abs() < 1e-12, "{frame}");
+    }
+}
+
+#[test]
+fn a_drawn_wrinkle_grows_and_fades() {
+    let after = done("draw new in w1 at 1009 through 5,60 70,60 width 4 depth 3 frames 1005-1017 ease 4");
+    for (frame, strength) in [(1005, 0.2), (1009, 1.0), (1013, 1.0), (1017, 0.2)] {
+        let sections = of(&after, frame, "w1", "new").unwrap();
+        assert!(sections.iter().all(|section| (section.d_px - 3.0 * strength).abs() < 1e-12), "{frame}");
     }
 }
 
