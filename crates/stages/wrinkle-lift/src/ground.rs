@@ -76,14 +76,22 @@ impl Ground {
     /// middles with the standard deviation `spread_mm`. Zero where there is no area.
     ///
     /// Averaged so, relief finer than the spread does not turn the normal, which the depth of a valley is measured along.
-    #[must_use]
-    pub fn normal(&self, spot: &Spot, points: &[Point3<f64>], spread_mm: f64) -> Vector3<f64> {
+    pub(crate) fn normal(
+        &self,
+        spot: &Spot,
+        points: &[Point3<f64>],
+        spread_mm: f64,
+        seen: &mut Seen,
+    ) -> Vector3<f64> {
         let center = self.at(spot, points);
         let reach = 2.5 * spread_mm;
         let mut sum = Vector3::zeros();
-        let mut seen = std::collections::BTreeSet::from([spot.face]);
-        let mut open = vec![spot.face];
-        while let Some(face) = open.pop() {
+        seen.clear();
+        seen.insert(spot.face);
+        // Also the list of what is still to be looked at: its front moves on.
+        let mut next = 0;
+        while let Some(&face) = seen.faces.get(next) {
+            next += 1;
             let [a, b, c] = self.corners(face, points);
             let off = (Point3::from((a.coords + b.coords + c.coords) / 3.0) - center).norm();
             if off > reach && face != spot.face {
@@ -91,13 +99,14 @@ impl Ground {
             }
             let weight = if face == spot.face { 1.0 } else { (-0.5 * (off / spread_mm).powi(2)).exp() };
             sum += weight * (b - a).cross(&(c - a));
-            for next in self.neighbors(face) {
-                if seen.insert(next) {
-                    open.push(next);
-                }
-            }
+            self.neighbors(face).for_each(|beside| seen.insert(beside));
         }
         sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+    }
+
+    /// An empty set of triangles.
+    pub(crate) fn none_seen(&self) -> Seen {
+        Seen { bits: vec![0; self.triangles.len() / 64 + 1], faces: Vec::new() }
     }
 
     /// Triangles that share a corner with one, itself among them.
@@ -131,6 +140,27 @@ impl Ground {
             }
         }
         best
+    }
+}
+
+/// A set of triangles, to be used again: a search sees a few hundred of a million.
+pub(crate) struct Seen {
+    bits: Vec<u64>,
+    /// In the order that they came in.
+    faces: Vec<u32>,
+}
+
+impl Seen {
+    fn clear(&mut self) {
+        self.faces.drain(..).for_each(|face| self.bits[face as usize / 64] = 0);
+    }
+
+    fn insert(&mut self, face: u32) {
+        let (word, bit) = (face as usize / 64, 1u64 << (face % 64));
+        if self.bits[word] & bit == 0 {
+            self.bits[word] |= bit;
+            self.faces.push(face);
+        }
     }
 }
 

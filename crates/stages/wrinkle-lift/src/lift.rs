@@ -1,6 +1,6 @@
 //! All wrinkles of a frame.
 
-use crate::ground::{Ground, Spot};
+use crate::ground::{Ground, Seen, Spot};
 use crate::line::arcs;
 use crate::merge::{Sample, merged};
 use crate::params::Params;
@@ -63,11 +63,11 @@ impl Lifter<'_> {
     }
 
     fn wrinkle(&self, id: &str, in_face: &[Point3<f64>], images: &[Image<'_>]) -> (Vec<ValleyPoint>, Tally) {
-        let mut tally = Tally::default();
+        let (mut tally, mut seen) = (Tally::default(), self.ground.none_seen());
         let mut all: Vec<Track> = Vec::new();
         for (number, image) in images.iter().enumerate() {
             let Some(sections) = image.sections.get(id) else { continue };
-            let lifted = self.sections(image, sections);
+            let lifted = self.sections(image, sections, &mut seen);
             tally.count(image.id, &lifted);
             let (mut found, strays) = tracks(number, sections, &lifted, self.params);
             tally.strays(image.id, strays);
@@ -83,29 +83,34 @@ impl Lifter<'_> {
         tally.apart(id, &merged.apart_mm);
         tally.bridged_mm += merged.bridged_mm;
         tally.split_mm += merged.split_mm;
-        let points = self.points(&merged.samples, in_face);
+        let points = self.points(&merged.samples, in_face, &mut seen);
         tally.coarse += points.iter().filter(|point| self.is_coarse(point, in_face)).count();
         tally.points += points.len();
         (points, tally)
     }
 
-    fn sections(&self, image: &Image<'_>, sections: &[Section]) -> Vec<Result<Lifted, Lost>> {
+    fn sections(
+        &self,
+        image: &Image<'_>,
+        sections: &[Section],
+        seen: &mut Seen,
+    ) -> Vec<Result<Lifted, Lost>> {
         let view = View::new(image.camera, &image.world_from_head);
         let shot = Shot { scene: image.scene, spaces: self.spaces, view, params: self.params };
         sections
             .iter()
             .zip(tangents(sections))
-            .map(|(section, tangent)| shot.lift(section, tangent))
+            .map(|(section, tangent)| shot.lift(section, tangent, seen))
             .collect()
     }
 
     /// Puts merged places onto the surface.
-    fn points(&self, samples: &[Sample], in_face: &[Point3<f64>]) -> Vec<ValleyPoint> {
+    fn points(&self, samples: &[Sample], in_face: &[Point3<f64>], seen: &mut Seen) -> Vec<ValleyPoint> {
         let spot = |sample: &Sample| self.ground.nearest(&sample.foot, sample.face, in_face);
         let spots: Vec<Spot> = samples.iter().map(spot).collect();
         let feet: Vec<Point3<f64>> = spots.iter().map(|spot| self.ground.at(spot, in_face)).collect();
         let normals: Vec<Vector3<f64>> =
-            spots.iter().map(|spot| self.ground.normal(spot, in_face, self.params.normal_mm)).collect();
+            spots.iter().map(|spot| self.ground.normal(spot, in_face, self.params.normal_mm, seen)).collect();
         let bottom = |i: usize| feet[i] - normals[i] * samples[i].d_mm;
         let x = arcs(&feet);
         let last = samples.len().saturating_sub(1);

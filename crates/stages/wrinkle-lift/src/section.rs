@@ -1,6 +1,6 @@
 //! From a section in an image to a place on the face.
 
-use crate::ground::Spot;
+use crate::ground::{Seen, Spot};
 use crate::params::Params;
 use crate::scene::{Hit, Scene, Spaces};
 use crate::view::View;
@@ -86,7 +86,12 @@ impl Shot<'_> {
     ///
     /// # Errors
     /// Why there is no such place.
-    pub(crate) fn lift(&self, section: &Section, tangent: Vector2<f64>) -> Result<Lifted, Lost> {
+    pub(crate) fn lift(
+        &self,
+        section: &Section,
+        tangent: Vector2<f64>,
+        seen: &mut Seen,
+    ) -> Result<Lifted, Lost> {
         if section.state == SectionState::Failed {
             return Err(Lost::Unmeasured);
         }
@@ -94,7 +99,7 @@ impl Shot<'_> {
         let mut pixel = crease;
         for _ in 0..MOST_STEPS {
             let hit = self.cast(pixel)?;
-            let patch = self.patch(&hit)?;
+            let patch = self.patch(&hit, seen)?;
             let lifted = self.measured(section, tangent, &hit, &patch)?;
             let shifted = match self.params.parallax {
                 true => crease + self.shift(&hit, &patch, lifted.d_mm).ok_or(Lost::Unsteady)?,
@@ -115,9 +120,9 @@ impl Shot<'_> {
         if hit.from_outside { Ok(hit) } else { Err(Lost::Hidden) }
     }
 
-    fn patch(&self, hit: &Hit) -> Result<Patch, Lost> {
+    fn patch(&self, hit: &Hit, seen: &mut Seen) -> Result<Patch, Lost> {
         let Scene { ground, in_face, .. } = self.scene;
-        let normal = ground.normal(&hit.spot, in_face, self.params.normal_mm);
+        let normal = ground.normal(&hit.spot, in_face, self.params.normal_mm, seen);
         let back = self.spaces.slope(&hit.point).ok_or(Lost::Missed)?;
         let pixels = self.view.slope(&hit.point).ok_or(Lost::Missed)? * back;
         // The ray in face space: what the pixels do not see.
