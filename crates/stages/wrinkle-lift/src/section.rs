@@ -47,8 +47,9 @@ pub enum Lost {
     Unsteady,
 }
 
-/// What the image says of a section's place, px: what a good crease is off by, and what is lost where its depth is not known.
+/// What a good crease is off by in the image, px; and by how much of its width's deviation a poor one is off, beside that.
 const PLACE_PX: f64 = 0.25;
+const PLACE_REL: f64 = 0.25;
 /// A width or depth without a deviation is off by so much, as share.
 const SHAPE_REL: f64 = 0.15;
 /// No width or depth is known better than this, as share: profiles are models.
@@ -181,7 +182,8 @@ fn deviations(section: &Section, d_mm: f64, view_rad: f64, px_per_mm: f64) -> (f
     let of_depth = section.deviation.map_or(SHAPE_REL, |spread| share(spread.d_px, section.d_px));
     let of_width = section.deviation.map_or(SHAPE_REL, |spread| share(spread.w_px, section.w_px));
     let depth_rel = if section.d_px > 0.0 { of_depth } else { 0.0 };
-    let place = (PLACE_PX / px_per_mm.max(1e-6)).hypot(depth_rel * d_mm * view_rad.tan());
+    let crease_px = PLACE_PX.hypot(PLACE_REL * of_width * section.w_px);
+    let place = (crease_px / px_per_mm.max(1e-6)).hypot(depth_rel * d_mm * view_rad.tan());
     // Seen obliquely a valley hides part of itself, and the model of its light matters more.
     let shape = of_width.hypot(of_depth).clamp(SHAPE_FLOOR, 1.0) / view_rad.cos();
     (place, shape)

@@ -31,14 +31,26 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FRAME", allow_negative_numbers = true)]
     frame: i64,
     /// Part of the image: left, top, width, height in px [default: all]
-    #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',', num_args = 4)]
-    crop: Vec<u32>,
+    #[arg(long, value_name = "X,Y,W,H", value_parser = rectangle)]
+    crop: Option<Rectangle>,
     /// Enlargement
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8))]
     scale: u8,
     /// Picture to write, PNG: the image on the left, the mesh on the right
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+}
+
+/// Left, top, width, height, px.
+#[derive(Debug, Clone, Copy)]
+struct Rectangle([u32; 4]);
+
+fn rectangle(text: &str) -> Result<Rectangle, String> {
+    let numbers: Vec<u32> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    match <[u32; 4]>::try_from(numbers) {
+        Ok(numbers) if text.split(',').count() == 4 => Ok(Rectangle(numbers)),
+        _ => Err(format!("'{text}' is not four whole numbers, left,top,width,height")),
+    }
 }
 
 const DIM: Color = [150, 150, 150];
@@ -70,7 +82,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let pose = material
         .pose(moment)
         .with_context(|| format!("the head has no pose in frame {}", arguments.frame))?;
-    let crop = Crop::of(&arguments.crop, camera.image_size, arguments.scale.into())?;
+    let crop = Crop::of(arguments.crop, camera.image_size, arguments.scale.into())?;
     let ground = Ground::of(&material.mesh);
     let scene = Scene::new(&ground, face_at(&material, moment)?, &material.spaces);
     let view = View::new(camera, &pose);
@@ -122,11 +134,8 @@ struct Crop {
 }
 
 impl Crop {
-    fn of(asked: &[u32], image: [u32; 2], scale: usize) -> anyhow::Result<Self> {
-        let [x, y, width, height] = match asked {
-            [x, y, width, height] => [*x, *y, *width, *height],
-            _ => [0, 0, image[0], image[1]],
-        };
+    fn of(asked: Option<Rectangle>, image: [u32; 2], scale: usize) -> anyhow::Result<Self> {
+        let Rectangle([x, y, width, height]) = asked.unwrap_or(Rectangle([0, 0, image[0], image[1]]));
         let ends = [x.saturating_add(width), y.saturating_add(height)];
         if width == 0 || height == 0 || ends[0] > image[0] || ends[1] > image[1] {
             bail!(
