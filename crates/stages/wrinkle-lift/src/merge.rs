@@ -55,13 +55,14 @@ struct Word {
 ///
 /// Points lie every `step_mm`, or a little closer so that both ends are among them. Gaps up to `gap_mm` are bridged; in longer ones d is 0.
 pub(crate) fn merged(tracks: Vec<Track>, params: &Params) -> Merged {
-    let spans = spans(tracks);
+    let mut spans = spans(tracks);
     let (low, high) = spans.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), span| {
         (low.min(span.places[0]), high.max(span.places[span.places.len() - 1]))
     });
     if spans.is_empty() || high <= low {
         return Merged::default();
     }
+    spans.iter_mut().for_each(|span| span.snap(low, high, params.blend_mm));
     let count = ((high - low) / params.step_mm).ceil().max(1.0) as usize;
     let step = (high - low) / count as f64;
     let mut merged = Merged::default();
@@ -116,7 +117,28 @@ fn rising(camera: usize, places: &[f64], points: &[Lifted]) -> Span {
     span
 }
 
+/// Ends so close together are one end: how far paint shows it differs from camera to camera, mm.
+const SNAP_MM: f64 = 2.0;
+
 impl Span {
+    /// Stretches a span that ends a little before the wrinkle does, so that their ends fall together; over `blend_mm`, so that places
+    /// keep their order.
+    fn snap(&mut self, low: f64, high: f64, blend_mm: f64) {
+        let [first, last] = self.ends();
+        let reach = blend_mm.max(2.0 * SNAP_MM).min(0.5 * (last - first));
+        let stretch = |gap: f64| if gap <= SNAP_MM.min(0.5 * reach) { gap } else { 0.0 };
+        let (before, after) = (stretch(first - low), stretch(high - last));
+        let share = |from_end: f64| (1.0 - from_end / reach).max(0.0);
+        for place in &mut self.places {
+            *place += after * share(last - *place) - before * share(*place - first);
+        }
+        // Exactly, so that rounding makes no second end.
+        if let [one, .., other] = &mut self.places[..] {
+            *one = if before > 0.0 { low } else { *one };
+            *other = if after > 0.0 { high } else { *other };
+        }
+    }
+
     fn ends(&self) -> [f64; 2] {
         [self.places[0], self.places[self.places.len() - 1]]
     }
@@ -184,26 +206,50 @@ fn reconcile(words: &mut [Word], params: &Params) -> Vec<f64> {
     apart
 }
 
+/// The mean of what cameras say. Where one saw a valley and another none, the form is that of the first; the other's word counts for
+/// depths that it could have missed.
 fn blended(words: &[Word]) -> Option<Sample> {
     let first = words.first()?;
+    let is_open = |word: &Word| word.sample.d_mm > 0.0;
+    let has_form = |word: &&Word| is_open(word) || !words.iter().any(is_open);
     let mut sums = [0.0; 2];
     let mut foot = nalgebra::Vector3::zeros();
     let mut shape = [0.0; 4];
     let mut nearest = (0.0, first.sample.face);
-    for Word { sample, place, shape: shaped, share, .. } in words {
-        // Where all shares are zero they count alike.
-        let share = share.max(1e-9);
-        let (place, shaped) = (place * share, shaped * share);
-        sums = [sums[0] + place, sums[1] + shaped];
-        foot += sample.foot.coords * place;
-        let values = [sample.w_mm, sample.d_mm, sample.epsilon, sample.kappa];
-        (0..4).for_each(|i| shape[i] += shaped * values[i]);
-        if place > nearest.0 {
-            nearest = (place, sample.face);
+    // Where all shares are zero they count alike.
+    let weights = |word: &Word| [word.place, word.shape].map(|weight| weight * word.share.max(1e-9));
+    for word in words {
+        let weight = weights(word)[0];
+        sums[0] += weight;
+        foot += word.sample.foot.coords * weight;
+        if weight > nearest.0 {
+            nearest = (weight, word.sample.face);
         }
     }
+    for word in words.iter().filter(has_form) {
+        let (weight, Sample { w_mm, d_mm, epsilon, kappa, .. }) = (weights(word)[1], word.sample);
+        sums[1] += weight;
+        let values = [w_mm, d_mm, epsilon, kappa];
+        (0..4).for_each(|i| shape[i] += weight * values[i]);
+    }
     let [w_mm, d_mm, epsilon, kappa] = shape.map(|sum| sum / sums[1]);
+    let flat = words.iter().filter(|word| !is_open(word)).map(|word| word.share).fold(0.0, f64::max);
+    let d_mm = d_mm * (1.0 - flat * (1.0 - credible(d_mm, w_mm)));
+    let d_mm = if d_mm < FLAT_MM { 0.0 } else { d_mm };
     Some(Sample { foot: (foot / sums[0]).into(), face: nearest.1, w_mm, d_mm, epsilon, kappa })
+}
+
+/// A camera that sees no valley could have missed none that is deeper than the second of these, as d/w, and any that is shallower than
+/// the first: there flat skin, too, reads as a valley.
+const SHALLOW: [f64; 2] = [0.1, 0.2];
+
+/// What is shallower is rounding.
+const FLAT_MM: f64 = 1e-6;
+
+/// How far a valley is believed against a camera that sees none: from 0 to 1 over the doubtful depths.
+fn credible(d_mm: f64, w_mm: f64) -> f64 {
+    let x = ((d_mm / w_mm.max(1e-9) - SHALLOW[0]) / (SHALLOW[1] - SHALLOW[0])).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 /// Fills what no camera saw from what lies beside it. `is_bridged` says of so many missing points whether the valley goes on there; else

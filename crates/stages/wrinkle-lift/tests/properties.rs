@@ -167,6 +167,22 @@ fn flat_sections_are_flat_where_they_are() {
 }
 
 #[test]
+fn a_camera_that_sees_no_valley_counts_against_shallow_ones_only() {
+    let cameras = [camera(-15.0), camera(15.0)];
+    let deepest = |d_mm: f64| {
+        let seen = |i: usize, d_mm| {
+            brow(Planted { d_mm, ..Planted::default() }.seen(&cameras[i], &pose(), [0.0, 1.0], 60))
+        };
+        let views = [(cameras[0].clone(), pose(), seen(0, d_mm)), (cameras[1].clone(), pose(), seen(1, 0.0))];
+        let (frame, _) = lifted(&views, &Params::default());
+        frame.valleys["brow"].iter().map(|point| point.d_mm).fold(0.0, f64::max)
+    };
+    assert_eq!(deepest(0.19), 0.0, "d/w below 0.1");
+    assert!((deepest(1.5) - 1.5).abs() < 0.05);
+    assert!((0.05..0.29).contains(&deepest(0.3)));
+}
+
+#[test]
 fn what_the_skin_hides_or_misses_is_counted_and_left_out() {
     let (planted, front) = (Planted::default(), camera(0.0));
     let sections = brow(planted.seen(&front, &pose(), [0.0, 1.0], 60));
