@@ -1,5 +1,5 @@
 //! Discrete differential operators on triangle meshes, and the sparse symmetric positive definite solve that they
-//! lead to.
+//! lead to; and smooth maps of space with their inverse.
 //!
 //! One sign everywhere: the cotangent stiffness `L` is positive semi-definite and *integrated* (its rows sum to
 //! zero, `uᵀ L u` is the Dirichlet energy); the pointwise Laplacian is `−M⁻¹ L`.
@@ -9,6 +9,7 @@
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, substitution, and refinement of what it gives.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
+//! - [`RbfMap`]: a map of space by radial basis functions, its Jacobian, and its [`Inverse`].
 //!
 //! # How the solve is built
 //! An order (`ordering`, `bisection`, `matching`) is analysed (`elimination_tree`, `fronts`, `symbolic`): columns join into dense
@@ -44,6 +45,9 @@ mod fronts;
 mod matching;
 mod ordering;
 mod prefetch;
+mod rbf_inverse;
+mod rbf_kernel;
+mod rbf_map;
 mod refinement;
 mod responses;
 mod substitution;
@@ -56,5 +60,7 @@ pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass, weighted_
 pub use dirichlet::{Dirichlet, Responses};
 pub use factor::{Factor, FactorError};
 pub use ordering::{NotAPermutation, Ordering};
+pub use rbf_inverse::{Inverse, InvertParams, Preimage};
+pub use rbf_map::{RbfMap, RbfSum};
 pub use sprs::CsMat;
 pub use variation::Variation;

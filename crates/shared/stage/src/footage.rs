@@ -3,7 +3,10 @@
 use crate::Run;
 use anyhow::{Context, bail};
 use artifact::picture::{Image8, Rgb, read_rgb};
-use artifact::{FrameReader, Frames, Rate, Shown, SyncFrame, Take, TakeCamera, TakeRef, TimeBase, Transfer};
+use artifact::{
+    FrameReader, Frames, Rate, Shown, SyncCamera, SyncFrame, Take, TakeCamera, TakeRef, TimeBase, Transfer,
+};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Arguments that name a take's images.
@@ -30,6 +33,8 @@ pub struct Footage {
     pub rate: Rate,
     /// The take, if it is known.
     pub take: Option<TakeRef>,
+    /// Per camera id how its clock stands to the mocap clock.
+    pub clocks: BTreeMap<String, SyncCamera>,
     frames: Vec<SyncFrame>,
 }
 
@@ -107,7 +112,15 @@ impl ImageSource {
         check_take(run, &self.sync, header.take.as_ref(), take.as_ref())?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let take = take.or(header.take);
-        Ok(Footage { folder, kind, path: path.clone(), rate: header.rate, take, frames })
+        Ok(Footage {
+            folder,
+            kind,
+            path: path.clone(),
+            rate: header.rate,
+            take,
+            clocks: header.cameras,
+            frames,
+        })
     }
 }
 

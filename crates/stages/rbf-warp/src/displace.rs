@@ -1,8 +1,9 @@
 //! Marker motion as displacements of handle vertices: `d_{i,t} = c(m_{i,t}) − f_{i,0}` [BickelBotsch2007, Sec. 4.1].
 
-use crate::interpolant::RbfMap;
+use crate::map::map_of;
 use artifact::{FileRef, Handle, HandleFrame, HandlesHeader, MarkerFrame, MarkerHeader, TakeRef, Warp};
 use nalgebra::Point3;
+use operators::RbfMap;
 
 /// Maps frames of markers through a warp.
 #[derive(Debug, Clone)]
@@ -19,7 +20,7 @@ impl Displacer {
     /// the vertices up to rounding and makes the rest frame's displacements exactly zero.
     #[must_use]
     pub fn new(warp: &Warp, markers: &MarkerHeader) -> Self {
-        let map = RbfMap::new(&warp.face_from_mocap);
+        let map = map_of(&warp.face_from_mocap);
         let mut rest = map.centers();
         map.map_all(&mut rest);
         let track = |id: &String| markers.markers.iter().position(|marker| marker == id);

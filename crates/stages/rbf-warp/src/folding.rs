@@ -1,9 +1,8 @@
 //! Where a warp folds space over: det ∂c/∂x ≤ 0 near the face.
 
-use crate::interpolant::RbfMap;
-use crate::invert::Inverse;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::Point3;
+use operators::{Inverse, RbfMap};
 use rayon::prelude::*;
 
 /// The face's worst place.

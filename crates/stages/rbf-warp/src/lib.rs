@@ -6,14 +6,14 @@
 //!
 //! - [`correspond`]: picks → vertices.
 //! - [`fit_warp`]: trajectories and vertices → warp, with everything needed to judge it; [`fit_interpolant`] is its heart.
-//! - [`RbfMap`]: value and Jacobian of a warp's map; [`Inverse`]: the way back.
+//! - [`map_of`]: a warp's map, with its Jacobian; [`inverse_of`]: the way back.
 //! - [`Displacer`]: moved markers → displacements of handle vertices.
 //!
 //! Everything is in millimetres, and nothing depends on the number of threads.
 //!
 //! ```
 //! use nalgebra::Point3;
-//! use rbf_warp::{Degree, Pairs, RbfMap, fit_interpolant};
+//! use rbf_warp::{Degree, Pairs, fit_interpolant, map_of};
 //! // Markers on a bowl, and the same twice as large and lifted.
 //! let from: Vec<Point3<f64>> = (0..16)
 //!     .map(|i| (f64::from(i % 4) * 10.0, f64::from(i / 4) * 10.0))
@@ -23,7 +23,7 @@
 //! let markers: Vec<String> = (0..16).map(|i| format!("m{i}")).collect();
 //! let pairs = Pairs { markers: &markers, from: &from, to: &to, space: "mocap space" };
 //! let fit = fit_interpolant(pairs, Degree::Quadratic).unwrap();
-//! let map = RbfMap::new(&fit.interpolant);
+//! let map = map_of(&fit.interpolant);
 //! assert!((map.at(&Point3::new(7.0, 8.0, 9.0)) - Point3::new(14.0, 16.0, 23.0)).norm() < 1e-9);
 //! ```
 
@@ -32,10 +32,8 @@ mod displace;
 mod error;
 mod fit;
 mod folding;
-mod interpolant;
-mod invert;
-mod kernel;
 mod likeness;
+mod map;
 mod params;
 mod polynomial;
 mod rest;
@@ -48,9 +46,8 @@ pub use displace::{Displacer, handles_header, mismatch};
 pub use error::{Error, Result};
 pub use fit::{InterpolantFit, Pairs, fit_interpolant};
 pub use folding::{Folding, folding};
-pub use interpolant::RbfMap;
-pub use invert::{Inverse, Preimage};
-pub use params::{Degree, FitParams, InvertParams, RestFrame};
+pub use map::{inverse_of, map_of};
+pub use params::{Degree, FitParams, RestFrame};
 pub use polynomial::UNDETERMINED;
 pub use warning::Warning;
 pub use warp::{FittedWarp, Source, fit_warp};

@@ -102,36 +102,3 @@ impl FitParams {
         }
     }
 }
-
-/// Parameters of an inversion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct InvertParams {
-    /// A point counts as found when c carries it this close to where it should go, mm.
-    pub tolerance_mm: f64,
-    /// Evaluations per point and attempt.
-    pub evaluations: u32,
-}
-
-impl Default for InvertParams {
-    fn default() -> Self {
-        Self { tolerance_mm: 1e-6, evaluations: 40 }
-    }
-}
-
-impl InvertParams {
-    /// Whether the values make sense.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] that names the one that does not.
-    pub fn check(&self) -> Result<()> {
-        if !(self.tolerance_mm.is_finite() && self.tolerance_mm > 0.0) {
-            let what = format!("tolerance_mm is {}; it must be positive", self.tolerance_mm);
-            return Err(Error::Parameter(what));
-        }
-        match self.evaluations {
-            0 => Err(Error::Parameter("evaluations is 0; it must be positive".to_string())),
-            _ => Ok(()),
-        }
-    }
-}

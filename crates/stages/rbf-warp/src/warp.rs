@@ -2,15 +2,15 @@
 
 use crate::fit::{InterpolantFit, Pairs, fit_interpolant};
 use crate::folding::folding;
-use crate::interpolant::RbfMap;
-use crate::invert::Inverse;
 use crate::likeness;
-use crate::params::{FitParams, InvertParams};
+use crate::map::map_of;
+use crate::params::FitParams;
 use crate::rest::{self, RestPoint};
 use crate::warning::{Warning, is_doubtful_scale};
 use crate::{Error, Result};
 use artifact::{Correspondence, FileRef, TakeRef, Trajectories, Warp, WarpFit};
 use nalgebra::Point3;
+use operators::{Inverse, InvertParams};
 use std::collections::BTreeMap;
 
 /// A leave-one-out error this many times the median, and above a floor in mm, makes a pick suspicious.
@@ -56,8 +56,8 @@ pub fn fit_warp(
     let pairs = |from, to, space| Pairs { markers: &sites.markers, from, to, space };
     let forward = fit_interpolant(pairs(&sites.mocap, &sites.face, "mocap space"), params.degree)?;
     let backward = fit_interpolant(pairs(&sites.face, &sites.mocap, "face space"), params.degree)?;
-    let map = RbfMap::new(&forward.interpolant);
-    let inverse = Inverse::of(map.clone(), RbfMap::new(&backward.interpolant), InvertParams::default());
+    let map = map_of(&forward.interpolant);
+    let inverse = Inverse::of(map.clone(), map_of(&backward.interpolant), InvertParams::default());
     let folding = folding(&map, &inverse, &sites.face, positions, params.near_mm);
     let mut warnings = std::mem::take(&mut sites.warnings);
     warnings.extend(doubts(&sites, &forward, &backward));

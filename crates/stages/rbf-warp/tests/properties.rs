@@ -4,15 +4,16 @@
 mod scene;
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use operators::{Inverse, InvertParams, RbfMap};
 use proptest::prelude::*;
 use rand::Rng;
-use rbf_warp::{Degree, Error, InterpolantFit, Inverse, InvertParams, Pairs, RbfMap, fit_interpolant};
+use rbf_warp::{Degree, Error, InterpolantFit, Pairs, fit_interpolant, map_of};
 use scene::*;
 
 fn fit(from: &Points, to: &Points, degree: Degree) -> (InterpolantFit, RbfMap) {
     let names = names(from.len());
     let fit = fit_interpolant(pairs(&names, from, to), degree).unwrap();
-    let map = RbfMap::new(&fit.interpolant);
+    let map = map_of(&fit.interpolant);
     (fit, map)
 }
 

@@ -9,7 +9,8 @@
 mod scene;
 
 use nalgebra::{Point3, Vector3};
-use rbf_warp::{Degree, Inverse, InvertParams, RbfMap, fit_interpolant};
+use operators::{Inverse, InvertParams};
+use rbf_warp::{Degree, fit_interpolant, map_of};
 use scene::*;
 
 /// Two frames of the 41 AnimFace markers, mm.
@@ -57,7 +58,7 @@ fn the_scan_goes_back_to_mocap_space() {
         let Some((neutral, other, scan)) = ict(expression) else { return };
         let names = names(90);
         let fit = |from, to| fit_interpolant(pairs(&names, from, to), Degree::Quadratic).unwrap().interpolant;
-        let (forward, backward) = (RbfMap::new(&fit(&other, &neutral)), RbfMap::new(&fit(&neutral, &other)));
+        let (forward, backward) = (map_of(&fit(&other, &neutral)), map_of(&fit(&neutral, &other)));
         let inverse = Inverse::of(forward.clone(), backward, InvertParams::default());
         let narrow_face = &scan[..6706];
         let found = inverse.preimages(narrow_face);

@@ -8,6 +8,7 @@ use artifact::{
     Unit,
 };
 use nalgebra::Point3;
+use operators::{Inverse, InvertParams};
 use rbf_warp::*;
 use scene::*;
 
@@ -100,7 +101,7 @@ fn a_marker_missing_at_rest_comes_from_its_neighbours_in_time() {
     let params = FitParams { rest_frame: RestFrame::Number(REST), ..FitParams::default() };
     let fitted = fit(&take, &params).unwrap();
     assert_eq!(fitted.warnings, [Warning::FilledAtRest { marker: "m5".into(), frame: REST }]);
-    let center = RbfMap::new(&fitted.warp.face_from_mocap).centers()[5];
+    let center = map_of(&fitted.warp.face_from_mocap).centers()[5];
     assert!((center - truth).norm() < 1e-6, "motion is linear in time");
 }
 
@@ -182,7 +183,7 @@ fn a_point_that_the_warp_does_not_reach_is_not_found() {
     let to: Points = from.iter().map(|p| Point3::new(p.x * p.x / 50.0, p.y, p.z)).collect();
     let names = names(60);
     let fit = |from, to| fit_interpolant(pairs(&names, from, to), Degree::Quadratic).unwrap().interpolant;
-    let (forward, backward) = (RbfMap::new(&fit(&from, &to)), RbfMap::new(&fit(&to, &from)));
+    let (forward, backward) = (map_of(&fit(&from, &to)), map_of(&fit(&to, &from)));
     let inverse = Inverse::of(forward, backward, InvertParams::default());
     let found = inverse.preimages(&[Point3::new(-40.0, 0.0, 80.0), Point3::new(20.0, 0.0, 80.0)]);
     assert!(!inverse.is_found(&found[0]) && found[0].residual_mm > 1.0);

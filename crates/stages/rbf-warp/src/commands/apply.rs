@@ -3,7 +3,8 @@
 use anyhow::bail;
 use artifact::{Unit, Warp};
 use mesh::Mesh;
-use rbf_warp::{Inverse, InvertParams, Preimage, RbfMap};
+use operators::{InvertParams, Preimage, RbfMap};
+use rbf_warp::{inverse_of, map_of};
 use serde::Serialize;
 use stage::Run;
 use std::path::PathBuf;
@@ -42,7 +43,13 @@ struct Parameters {
     unit: Unit,
     inverse: bool,
     keep_unconverged: bool,
-    invert: InvertParams,
+    invert: Newton,
+}
+
+#[derive(Serialize)]
+struct Newton {
+    tolerance_mm: f64,
+    evaluations: u32,
 }
 
 impl Apply {
@@ -57,15 +64,17 @@ impl Apply {
             bail!("{}: {mismatch}\n  to do: say the unit that the file is in", self.warp.display());
         }
         let invert = InvertParams { tolerance_mm: self.tolerance_mm, ..InvertParams::default() };
-        invert.check()?;
+        invert.check().map_err(anyhow::Error::msg)?;
+        let InvertParams { tolerance_mm, evaluations } = invert;
+        let newton = Newton { tolerance_mm, evaluations };
         let (inverse, keep_unconverged) = (self.inverse, self.keep_unconverged);
-        run.parameters(&Parameters { unit: reference.unit, inverse, keep_unconverged, invert })?;
+        run.parameters(&Parameters { unit: reference.unit, inverse, keep_unconverged, invert: newton })?;
         run.result("points", mesh.positions.len());
         run.result("instruction_set", RbfMap::instruction_set());
         if self.inverse {
             self.invert(run, &warp, &mut mesh, invert)?;
         } else {
-            let map = RbfMap::new(&warp.face_from_mocap);
+            let map = map_of(&warp.face_from_mocap);
             run.timed("evaluate", || map.map_all(&mut mesh.positions));
         }
         run.publish(vec![artifact::write_mesh(&self.out, &mesh, reference.unit)?])
@@ -78,7 +87,7 @@ impl Apply {
         mesh: &mut Mesh,
         params: InvertParams,
     ) -> anyhow::Result<()> {
-        let inverse = Inverse::new(warp, params);
+        let inverse = inverse_of(warp, params);
         let found = run.timed("invert", || inverse.preimages(&mesh.positions));
         let lost: Vec<usize> = (0..found.len()).filter(|&i| !inverse.is_found(&found[i])).collect();
         let worst = |preimages: &mut dyn Iterator<Item = &Preimage>| {

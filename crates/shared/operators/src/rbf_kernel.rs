@@ -3,7 +3,9 @@
 //! Each lane goes through the same operations in the same order whatever stands in the other lanes, so a point's value
 //! does not depend on how points are cut into blocks or threads.
 
-use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
+#[cfg(all(target_arch = "x86_64", feature = "avx512"))]
+use pulp::NullaryFnOnce;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Points that are evaluated together; small enough for the stack and the first-level cache.
 pub(crate) const BLOCK: usize = 256;
@@ -45,7 +47,7 @@ impl Terms {
         let padded = count.next_multiple_of(PADDING).min(BLOCK);
         let job = Job { terms: self, at, padded, out };
         match arch {
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
             Arch::V4(simd) => simd.vectorize(Avx512 { simd, job }),
             arch => arch.dispatch(job),
         }
@@ -55,7 +57,7 @@ impl Terms {
 /// The instruction set that this machine evaluates with; another one rounds differently.
 pub(crate) fn instruction_set() -> &'static str {
     match Arch::new() {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
         Arch::V4(_) => "avx512",
         #[cfg(target_arch = "x86_64")]
         Arch::V3(_) => "avx2",
@@ -81,13 +83,13 @@ impl<const N: usize> WithSimd for Job<'_, N> {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx512"))]
 struct Avx512<'a, const N: usize> {
     simd: pulp::x86::V4,
     job: Job<'a, N>,
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx512"))]
 impl<const N: usize> NullaryFnOnce for Avx512<'_, N> {
     type Output = ();
 
@@ -113,11 +115,11 @@ impl<S: Simd> Root<S> for Exact {
 }
 
 /// From the 14-bit estimate of AVX-512: the hardware's own root would take longer than all the rest.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx512"))]
 #[derive(Clone, Copy)]
 struct Estimated;
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "avx512"))]
 impl Root<pulp::x86::V4> for Estimated {
     /// With y ≈ 1/√a and e = 1 − a y², √a = a y (1 − e)^(-1/2) = a y (1 + e/2 + 3e²/8 + 5e³/16 + …). As |e| < 2⁻¹³, what
     /// is cut off is below 2⁻⁵³.

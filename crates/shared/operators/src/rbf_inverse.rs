@@ -1,9 +1,7 @@
-//! The inverse of a warp: Newton's method per point, on the analytic Jacobian.
+//! The inverse of a smooth map of space: Newton's method per point, on the analytic Jacobian.
 
-use crate::interpolant::{RbfMap, put, take, take_jacobian};
-use crate::kernel::BLOCK;
-use crate::params::InvertParams;
-use artifact::Warp;
+use crate::rbf_kernel::BLOCK;
+use crate::rbf_map::{RbfMap, put, take, take_jacobian};
 use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
 
@@ -16,6 +14,37 @@ const LONGEST_STEP: f64 = 0.5;
 const HALVINGS: u32 = 12;
 /// Steps of the second attempt, which follows the solution from a center to the point.
 const CONTINUATION: usize = 16;
+
+/// Parameters of an inversion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InvertParams {
+    /// A point counts as found when c carries it this close to where it should go, mm.
+    pub tolerance_mm: f64,
+    /// Evaluations per point and attempt.
+    pub evaluations: u32,
+}
+
+impl Default for InvertParams {
+    fn default() -> Self {
+        Self { tolerance_mm: 1e-6, evaluations: 40 }
+    }
+}
+
+impl InvertParams {
+    /// Whether the values make sense.
+    ///
+    /// # Errors
+    /// Names the one that does not.
+    pub fn check(&self) -> Result<(), String> {
+        if !(self.tolerance_mm.is_finite() && self.tolerance_mm > 0.0) {
+            return Err(format!("tolerance_mm is {}; it must be positive", self.tolerance_mm));
+        }
+        match self.evaluations {
+            0 => Err("evaluations is 0; it must be positive".to_string()),
+            _ => Ok(()),
+        }
+    }
+}
 
 /// Where a point comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,13 +90,6 @@ impl Anchor {
 }
 
 impl Inverse {
-    /// The inverse of a warp's map.
-    #[must_use]
-    pub fn new(warp: &Warp, params: InvertParams) -> Self {
-        let (forward, backward) = (RbfMap::new(&warp.face_from_mocap), RbfMap::new(&warp.mocap_from_face));
-        Self::of(forward, backward, params)
-    }
-
     /// The inverse of `forward`; `backward` is where the search starts.
     #[must_use]
     pub fn of(forward: RbfMap, backward: RbfMap, params: InvertParams) -> Self {

@@ -1,9 +1,23 @@
-//! The map itself: value and Jacobian of an [`Interpolant`] [BickelBotsch2007, Eq. 1].
+//! A smooth map of space: value and Jacobian of a sum of triharmonic kernels and a quadratic [BickelBotsch2007, Eq. 1].
 
-use crate::kernel::{BLOCK, Columns, Terms};
-use artifact::Interpolant;
+use crate::rbf_kernel::{BLOCK, Columns, Terms};
 use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
+
+/// What a map adds up: centers, weights and coefficients, as files hold them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RbfSum<'a> {
+    /// Coordinates are centred here first, mm …
+    pub origin_mm: [f64; 3],
+    /// … and divided by this, mm.
+    pub scale_mm: f64,
+    /// Centers uᵢ, n × 3, no unit.
+    pub centers: &'a [[f64; 3]],
+    /// Weights wᵢ, n × 3, mm.
+    pub weights: &'a [[f64; 3]],
+    /// Coefficients of 1, x, y, z, xx, yy, zz, xy, xz, yz of u, mm; the first 1, 4 or all 10.
+    pub polynomial: &'a [[f64; 3]],
+}
 
 /// `c(x) = Σᵢ wᵢ ‖u − uᵢ‖³ + q(u)`, u = (x − origin) / scale, ready to be evaluated.
 #[derive(Debug, Clone)]
@@ -14,15 +28,15 @@ pub struct RbfMap {
 }
 
 impl RbfMap {
-    /// The map that an artifact's interpolant describes.
+    /// The map that a sum describes.
     #[must_use]
-    pub fn new(interpolant: &Interpolant) -> Self {
-        let Interpolant { origin_mm, scale_mm, centers, weights, polynomial } = interpolant;
+    pub fn new(sum: &RbfSum) -> Self {
+        let RbfSum { origin_mm, scale_mm, centers, weights, polynomial } = *sum;
         let row = |(c, w): (&[f64; 3], &[f64; 3])| [c[0], c[1], c[2], w[0], w[1], w[2]];
         let rows = centers.iter().zip(weights).map(row).collect();
         let mut padded = [[0.0; 3]; 10];
         padded.iter_mut().zip(polynomial).for_each(|(to, from)| *to = *from);
-        Self { origin: (*origin_mm).into(), scale: *scale_mm, terms: Terms { rows, polynomial: padded } }
+        Self { origin: origin_mm.into(), scale: scale_mm, terms: Terms { rows, polynomial: padded } }
     }
 
     /// The image of one point, mm → mm; the same bits as in [`RbfMap::map_all`].
@@ -60,7 +74,7 @@ impl RbfMap {
     /// The instruction set that maps are evaluated with here; across instruction sets results agree to rounding only.
     #[must_use]
     pub fn instruction_set() -> &'static str {
-        crate::kernel::instruction_set()
+        crate::rbf_kernel::instruction_set()
     }
 
     /// Centers, mm, in their order.
