@@ -41,6 +41,9 @@ fn line(points: &[ValleyPoint], ground: &Ground, rest: &[Point3<f64>]) -> Line {
 }
 
 fn place(points: &mut [ValleyPoint], longest: &Line, ground: &Ground, rest: &[Point3<f64>]) {
+    if points.is_empty() {
+        return;
+    }
     let along = |points: &[ValleyPoint]| -> Vec<f64> {
         let places = rest_points(points, ground, rest);
         places.iter().map(|point| longest.locate(point).map_or(0.0, |place| place.arc)).collect()

@@ -92,12 +92,11 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.check_folders(&[&arguments.out])?;
     let (work, unused) = Work::read(run, arguments)?;
     let ground = Ground::of(&work.material.mesh);
-    let writer = FrameWriter::<Valleys>::create(&arguments.out, work.valleys_header())?;
+    let mut writer = FrameWriter::<Valleys>::create(&arguments.out, work.valleys_header())?;
     let (mut frames, tally, unmapped) = work.lift(run, &ground)?;
     let drift = run.timed("arrange", || arrange(&mut frames, &ground, &work.material.mesh.positions));
     tell::report(run, &tally, &unused, &drift, unmapped);
     tell::check(&tally, &arguments.sections)?;
-    let mut writer = writer;
     frames.iter().try_for_each(|frame| writer.write(frame))?;
     run.publish(vec![writer.finish()?])
 }
@@ -118,20 +117,16 @@ impl Work {
         let material = arguments.options.read(run, header.take.as_ref())?;
         for id in &header.cameras {
             material.camera(id, path)?;
-            if !clock.cameras.contains_key(id) {
-                bail!(
-                    "{}: does not know camera {id} of {}\n  to do: give the time base of the same take",
-                    arguments.sync.display(),
-                    path.display()
-                );
-            }
+        }
+        if let Some(id) = header.cameras.iter().find(|id| !clock.cameras.contains_key(*id)) {
+            let (sync, sections) = (arguments.sync.display(), path.display());
+            bail!(
+                "{sync}: does not know camera {id} of {sections}\n  to do: give the time base of the same take"
+            );
         }
         run.check_outputs(&[&arguments.out])?;
-        let mut shown = BTreeMap::new();
-        for frame in sync {
-            let frame = frame?;
-            shown.insert(frame.frame, frame);
-        }
+        let numbered = |frame: artifact::Result<SyncFrame>| frame.map(|frame| (frame.frame, frame));
+        let shown: BTreeMap<i64, SyncFrame> = sync.map(numbered).collect::<artifact::Result<_>>()?;
         let mut work = Self { params, material, header, clock, frames: Vec::new(), images: Vec::new() };
         let mut unused = Unused::default();
         for frame in reader {
