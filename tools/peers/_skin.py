@@ -121,6 +121,47 @@ def _distance(points, line):
     return best, along
 
 
+def relief(points, rng, lines):
+    """Heights of wrinkles along lines in x and y, of pores all over, and the distance from the lines in widths, for the front of
+    a face."""
+    wrinkles, reach = np.zeros(len(points)), np.full(len(points), np.inf)
+    front = points[:, 2] > -10
+    for ends in lines:
+        ends = np.array(ends, float)
+        width = rng.uniform(1.0, 1.5)
+        depth = width * rng.uniform(0.2, 0.4)
+        t = np.linspace(-1, 1, 40)[:, None]
+        side = ends[1] - ends[0]
+        across = np.array([-side[1], side[0]]) / np.linalg.norm(side)
+        line = ends.mean(0) + 0.5 * t * side + rng.uniform(-1.5, 1.5) * (t**2 - 0.3) * across
+        away, along = _distance_3d(points, line, front)
+        fade = np.clip((1 - np.abs(2 * along - 1)) / 0.25, 0, 1)
+        fade = fade**2 * (3 - 2 * fade)
+        p = np.sqrt(away**2 + (0.12 * width) ** 2) / width
+        wrinkles += np.where(np.isfinite(away), fade * depth * (p - 1) * np.exp(-np.minimum(p, 50)), 0)
+        reach = np.minimum(reach, away / width)
+    # Pores: plane waves in random directions of space, of the wavelengths that the mesh can carry.
+    waves = rng.normal(size=(60, 3))
+    waves *= (2 * np.pi / rng.uniform(0.8, 1.0, 60) / np.linalg.norm(waves, axis=1))[:, None]
+    pores = sum(np.cos(points @ wave + phase) for wave, phase in zip(waves, rng.uniform(0, 2 * np.pi, 60)))
+    return wrinkles, 0.015 * pores / pores.std(), reach
+
+
+def _distance_3d(points, line, front):
+    """Distance from a line over the front of a surface: its points take the depth of the nearest vertex."""
+    from scipy.spatial import cKDTree
+
+    chosen = np.flatnonzero(front)
+    fine = np.column_stack([np.interp(np.linspace(0, 1, 400), np.linspace(0, 1, len(line)), line[:, i]) for i in (0, 1)])
+    _, nearest = cKDTree(points[chosen][:, :2]).query(fine, k=4)
+    depth = points[chosen][nearest][:, :, 2].mean(1)
+    curve = np.column_stack([fine, np.convolve(np.pad(depth, 10, mode="edge"), np.ones(21) / 21, "valid")])
+    away, at = np.full(len(points), np.inf), np.zeros(len(points))
+    away[chosen], found = cKDTree(curve).query(points[chosen])
+    at[chosen] = found / (len(curve) - 1)
+    return away, at
+
+
 class _Grid:
     """Fields on the vertices, taken to a regular grid, where bands are told apart."""
 

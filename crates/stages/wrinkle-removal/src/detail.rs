@@ -38,7 +38,11 @@ pub(crate) fn split(patch: &Patch, calculus: &Calculus, params: &Params) -> Resu
     }?;
     let normals = mesh::vertex_normals(&base, &patch.triangles);
     let above = patch.points.iter().zip(&base).zip(&normals);
-    let heights = above.map(|((point, base), normal)| (point - base).dot(normal)).collect();
+    let mut heights: Vec<f64> = above.map(|((point, base), normal)| (point - base).dot(normal)).collect();
+    if params.detail_limit > 0.0 {
+        let limit = params.detail_limit * level_around(patch, &heights);
+        heights.iter_mut().for_each(|height| *height = limited(*height, limit));
+    }
     Ok(Layers { base, heights })
 }
 
@@ -59,4 +63,20 @@ fn smoothed(
         points.iter_mut().zip(step).for_each(|(point, step)| *point += Vector3::from(step));
     }
     Ok(points)
+}
+
+/// Root mean square height of the detail on the skin around the region, mm.
+fn level_around(patch: &Patch, heights: &[f64]) -> f64 {
+    let around = (0..heights.len()).filter(|&vertex| patch.weights[vertex] == 0.0 && !patch.open[vertex]);
+    let (sum, count) =
+        around.fold((0.0, 0usize), |(sum, count), i| (sum + heights[i] * heights[i], count + 1));
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// A height that does not exceed a limit, and is hardly changed at half of it (by 1.5 %).
+fn limited(height: f64, limit: f64) -> f64 {
+    match limit > 0.0 {
+        true => height / (1.0 + (height / limit).powi(4)).powf(0.25),
+        false => 0.0,
+    }
 }

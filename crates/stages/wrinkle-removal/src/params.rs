@@ -20,6 +20,9 @@ pub struct Params {
     pub detail_mm: f64,
     /// How detail is told from wrinkles.
     pub split: Split,
+    /// Fine detail is no higher or deeper than this many times its root mean square on the skin around the region: more is the edge
+    /// at the bottom of a crease, which is as sharp as a pore. 0 keeps it.
+    pub detail_limit: f64,
     /// Wavelength, mm, above which relief is the shape of the face, which stays: of a wide region, what is broader than this is
     /// kept from the scan, where the least bending surface would flatten it; 0 leaves all of the region to that surface.
     pub shape_mm: f64,
@@ -37,6 +40,7 @@ impl Default for Params {
         Self {
             detail_mm: 1.5,
             split: Split::Bilaplacian,
+            detail_limit: 3.0,
             shape_mm: 60.0,
             strength: 1.0,
             feather_mm: 0.0,
@@ -49,7 +53,7 @@ impl Params {
     /// The paper's three steps as they are printed [BickelBotsch2007, Sec. 5.4].
     #[must_use]
     pub fn paper() -> Self {
-        Self { split: Split::Laplacian, shape_mm: 0.0, ..Self::default() }
+        Self { split: Split::Laplacian, detail_limit: 0.0, shape_mm: 0.0, ..Self::default() }
     }
 
     /// Whether every parameter is in its range.
@@ -60,6 +64,7 @@ impl Params {
         let (positive, not_negative) = (f64::MIN_POSITIVE..f64::INFINITY, 0.0..f64::INFINITY);
         let rows = [
             ("wavelength of detail in mm", self.detail_mm, positive.clone(), "a positive number"),
+            ("limit of detail", self.detail_limit, not_negative.clone(), "a number from 0 on"),
             ("wavelength of shape in mm", self.shape_mm, not_negative.clone(), "a number from 0 on"),
             ("strength", self.strength, 0.0..1.0f64.next_up(), "from 0 to 1"),
             ("feather in mm", self.feather_mm, not_negative, "a number from 0 on"),

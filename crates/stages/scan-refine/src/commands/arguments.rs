@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", group = "measured", help_heading = "Normals")]
     pub(crate) tangent_map: Option<PathBuf>,
     /// Green of the tangent-space map points down (DirectX); it points up in OpenGL's convention
-    #[arg(long, requires = "tangent_map", help_heading = "Normals")]
+    #[arg(long, conflicts_with_all = ["object_map", "vertex_normals"], help_heading = "Normals")]
     pub(crate) directx: bool,
     /// Normals per vertex in the axes of the scan's coordinates (.npy, V x 3, f32); zero where there is none
     #[arg(long, value_name = "FILE", group = "measured", help_heading = "Normals")]

@@ -60,14 +60,17 @@ pub(crate) struct Arguments {
     /// Relief of shorter wavelength is fine detail, which stays
     #[arg(long, value_name = "MM", default_value_t = Params::default().detail_mm)]
     pub(crate) detail_mm: f64,
+    /// Fine detail beyond this many times its level on the skin around is the edge of a crease, and is cut down; 0 keeps it
+    #[arg(long, value_name = "TIMES", default_value_t = Params::default().detail_limit)]
+    pub(crate) detail_limit: f64,
     /// Relief of longer wavelength is the face's shape, which stays; 0 leaves all of the region to the surface that bends least
     #[arg(long, value_name = "MM", default_value_t = Params::default().shape_mm)]
     pub(crate) shape_mm: f64,
     /// Width of the band inside the region's rim over which the removal sets in
     #[arg(long, value_name = "MM", default_value_t = Params::default().feather_mm)]
     pub(crate) feather_mm: f64,
-    /// The three steps as the paper prints them: a soft split by Laplacian smoothing, no wavelength of shape
-    #[arg(long, conflicts_with = "shape_mm")]
+    /// The three steps as the paper prints them: a soft split by Laplacian smoothing, no limit, no wavelength of shape
+    #[arg(long, conflicts_with_all = ["detail_limit", "shape_mm"])]
     pub(crate) paper: bool,
     #[command(flatten)]
     pub(crate) common: stage::Common,

@@ -46,10 +46,10 @@ struct Recorded<'a> {
 }
 
 fn parameters(arguments: &Arguments) -> Params {
-    let Arguments { detail_mm, shape_mm, strength, feather_mm, .. } = *arguments;
+    let Arguments { detail_mm, detail_limit, shape_mm, strength, feather_mm, .. } = *arguments;
     match arguments.paper {
         true => Params { detail_mm, strength, feather_mm, ..Params::paper() },
-        false => Params { detail_mm, shape_mm, strength, feather_mm, ..Params::default() },
+        false => Params { detail_mm, detail_limit, shape_mm, strength, feather_mm, ..Params::default() },
     }
 }
 
