@@ -137,12 +137,12 @@ def relief(points, rng, lines):
         away, along = _distance_3d(points, line, front)
         fade = np.clip((1 - np.abs(2 * along - 1)) / 0.25, 0, 1)
         fade = fade**2 * (3 - 2 * fade)
-        p = np.sqrt(away**2 + (0.12 * width) ** 2) / width
-        wrinkles += np.where(np.isfinite(away), fade * depth * (p - 1) * np.exp(-np.minimum(p, 50)), 0)
+        p = np.sqrt(np.minimum(away, 50 * width) ** 2 + (0.12 * width) ** 2) / width
+        wrinkles += fade * depth * (p - 1) * np.exp(-p)
         reach = np.minimum(reach, away / width)
     # Pores: plane waves in random directions of space, of the wavelengths that the mesh can carry.
-    waves = rng.normal(size=(60, 3))
-    waves *= (2 * np.pi / rng.uniform(0.8, 1.0, 60) / np.linalg.norm(waves, axis=1))[:, None]
+    waves = rng.normal(size=(60, 3)) * [1, 1, 0]  # across the front: waves into its depth would be long ones on it
+    waves *= (2 * np.pi / rng.uniform(0.6, 0.9, 60) / np.linalg.norm(waves, axis=1))[:, None]
     pores = sum(np.cos(points @ wave + phase) for wave, phase in zip(waves, rng.uniform(0, 2 * np.pi, 60)))
     return wrinkles, 0.015 * pores / pores.std(), reach
 

@@ -47,8 +47,12 @@ def angle_weighted_normals(points, triangles):
     return sums / np.maximum(np.linalg.norm(sums, axis=1), 1e-300)[:, None]
 
 
-def lee_perry_smith(ctx, levels):
-    """The real head scan (Lee Perry-Smith, CC BY 3.0), its face only, subdivided by Loop's rule: points in mm, triangles."""
+def lee_perry_smith(ctx, levels, low=(-90, -115, -40), high=(90, 80, 90), smooth_mm=0):
+    """A part of the real head scan (Lee Perry-Smith, CC BY 3.0), subdivided by Loop's rule: points in mm, triangles.
+
+    With `smooth_mm`, relief of shorter wavelength is taken out of it first: what is left is the shape of a face without anything
+    of the scale of wrinkles.
+    """
     import igl
 
     points, triangles = [], []
@@ -61,8 +65,26 @@ def lee_perry_smith(ctx, levels):
             triangles += [[face[0], face[i], face[i + 1]] for i in range(1, len(face) - 1)]
     points, triangles = np.array(points), np.array(triangles)
     middle = points[triangles].mean(1)
-    triangles = triangles[(middle[:, 2] > -40) & (middle[:, 1] > -115) & (middle[:, 1] < 80)]
+    triangles = triangles[((middle > low) & (middle < high)).all(1)]
     used = np.unique(triangles)
     new = -np.ones(len(points), int)
     new[used] = np.arange(len(used))
-    return igl.loop(points[used], new[triangles], levels) if levels else (points[used], new[triangles])
+    points, triangles = points[used], new[triangles]
+    for level in range(levels):
+        points, triangles = igl.loop(points, triangles, 1)
+        if smooth_mm and level == 1:
+            points = smoothed(points, triangles, smooth_mm)
+    return points, triangles
+
+
+def smoothed(points, triangles, wavelength):
+    """One implicit step of bi-Laplacian smoothing, half of a wave of that length left."""
+    import igl
+    import scipy.sparse as sp
+    import scipy.sparse.linalg as linear
+
+    stiffness = -igl.cotmatrix(points, triangles)
+    mass = igl.massmatrix(points, triangles, igl.MASSMATRIX_TYPE_VORONOI).diagonal()
+    bending = stiffness @ sp.diags(1 / mass) @ stiffness
+    system = sp.diags(mass) + (wavelength / (2 * np.pi)) ** 4 * bending
+    return linear.splu(system.tocsc()).solve(mass[:, None] * points)

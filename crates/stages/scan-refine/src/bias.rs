@@ -44,13 +44,13 @@ impl Averages {
         Ok(Self { factor: Factor::new(&matrix, ordering.vertices())?, weights })
     }
 
-    /// Two fields' averages, unit vectors.
+    /// Two fields' averages, unit vectors; the fields are integrated over the vertices' areas and weighed.
     fn of(&self, fields: [&[Vector3<f64>]; 2]) -> [Vec<Vector3<f64>>; 2] {
         let order = self.factor.order();
         let mut columns = Vec::with_capacity(6 * order.len());
         for field in fields {
             for axis in 0..3 {
-                columns.extend(order.iter().map(|&v| self.weights[v as usize] * field[v as usize][axis]));
+                columns.extend(order.iter().map(|&vertex| field[vertex as usize][axis]));
             }
         }
         self.factor.solve_in_place(&mut columns, 6);
@@ -58,8 +58,8 @@ impl Averages {
             let mut field = vec![Vector3::zeros(); order.len()];
             for (row, &vertex) in order.iter().enumerate() {
                 let at = |axis: usize| columns[(3 * which + axis) * order.len() + row];
-                field[vertex as usize] =
-                    Vector3::new(at(0), at(1), at(2)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+                let sum = Vector3::new(at(0), at(1), at(2));
+                field[vertex as usize] = sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
             }
             field
         })
@@ -67,23 +67,51 @@ impl Averages {
 
     /// The measured normals, each turned as its surroundings' average must be turned to become that of the positions' normals
     /// [Nehab2005, Sec. 4.1]; and the mean angle of these turns, degrees.
+    ///
+    /// The positions' normals are averaged as area vectors, not as unit vectors: those are linear in noise along any axis, and
+    /// their mean is that of the surface without it, where unit normals of a rough surface lean towards the line of sight.
     pub(crate) fn correct(
         &self,
         measured: &[Vector3<f64>],
-        positions: &[Vector3<f64>],
+        points: &[Point3<f64>],
+        surface: &Surface,
     ) -> (Vec<Vector3<f64>>, f64) {
-        let [from, to] = self.of([measured, positions]);
-        let (mut sum, mut total) = (0.0, 0.0);
-        let turned = measured.iter().zip(from.iter().zip(&to)).zip(&self.weights).map(
-            |((normal, (from, to)), weight)| {
-                let turn =
-                    UnitQuaternion::rotation_between(from, to).unwrap_or_else(UnitQuaternion::identity);
-                sum += weight * turn.angle().to_degrees();
-                total += weight;
-                turn * normal
-            },
-        );
-        let turned = turned.collect();
-        (turned, sum / total)
+        let mut areas = area_vectors(points, &surface.triangles);
+        areas
+            .iter_mut()
+            .zip(&self.weights)
+            .zip(&surface.mass)
+            .for_each(|((area, weight), mass)| *area *= weight / mass);
+        let seen: Vec<Vector3<f64>> = measured
+            .iter()
+            .zip(&areas)
+            .zip(&self.weights)
+            .map(|((normal, area), weight)| match normal.norm_squared() > 0.0 {
+                true => *weight * normal,
+                false => *area,
+            })
+            .collect();
+        let [from, to] = self.of([&seen, &areas]);
+        let turns: Vec<UnitQuaternion<f64>> = from
+            .iter()
+            .zip(&to)
+            .map(|(from, to)| {
+                UnitQuaternion::rotation_between(from, to).unwrap_or_else(UnitQuaternion::identity)
+            })
+            .collect();
+        let angles = turns.iter().zip(&self.weights).map(|(turn, weight)| weight * turn.angle().to_degrees());
+        let mean = angles.sum::<f64>() / self.weights.iter().sum::<f64>();
+        (turns.iter().zip(measured).map(|(turn, normal)| turn * normal).collect(), mean)
     }
+}
+
+/// Per vertex a third of the area vectors of its triangles, mm².
+fn area_vectors(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Vector3<f64>> {
+    let mut sums = vec![Vector3::zeros(); points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
+        let share = (b - a).cross(&(c - a)) / 6.0;
+        triangle.iter().for_each(|&vertex| sums[vertex as usize] += share);
+    }
+    sums
 }

@@ -34,6 +34,9 @@ pub struct Report {
     pub moved_rms_mm: f64,
     /// The farthest, mm.
     pub moved_max_mm: f64,
+    /// Triangles that face away from the measured normals of all their corners: the scan's noise along the surface has folded
+    /// them.
+    pub folded_triangles: usize,
 }
 
 /// Normals that are off by more in the mean belong to another mesh, degrees.
@@ -74,7 +77,7 @@ pub fn refine(mesh: &Mesh, measured: &Measured, params: &Params) -> Result<Refin
     for _ in 0..params.iterations {
         let normals = mesh::vertex_normals(&points, &surface.triangles);
         if let Some(averages) = &averages {
-            turned = averages.correct(&measured.normals, &filled(&normals, &measured.normals));
+            turned = averages.correct(&measured.normals, &points, &surface);
         }
         let directions = filled(&turned.0, &normals);
         points = solver.step(&points, &directions, params.crossover_mm / TAU)?;
@@ -168,5 +171,15 @@ fn report(
         after_degrees: degrees(points),
         moved_rms_mm: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
         moved_max_mm: squares.iter().copied().fold(0.0, f64::max).sqrt(),
+        folded_triangles: folded(points, &surface.triangles, &measured.normals),
     }
+}
+
+fn folded(points: &[Point3<f64>], triangles: &[[u32; 3]], normals: &[Vector3<f64>]) -> usize {
+    let is_folded = |triangle: &&[u32; 3]| {
+        let [a, b, c] = triangle.map(|vertex| points[vertex as usize]);
+        let facing = (b - a).cross(&(c - a));
+        triangle.iter().all(|&vertex| facing.dot(&normals[vertex as usize]) < 0.0)
+    };
+    triangles.iter().filter(is_folded).count()
 }

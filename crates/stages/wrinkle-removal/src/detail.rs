@@ -73,10 +73,10 @@ fn level_around(patch: &Patch, heights: &[f64]) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// A height that does not exceed a limit, and is hardly changed at half of it (by 1.5 %).
+/// A height that does not exceed a limit, and is hardly changed at 0.7 of it (by 0.7 %).
 fn limited(height: f64, limit: f64) -> f64 {
     match limit > 0.0 {
-        true => height / (1.0 + (height / limit).powi(4)).powf(0.25),
+        true => height / (1.0 + (height / limit).powi(8)).powf(0.125),
         false => 0.0,
     }
 }

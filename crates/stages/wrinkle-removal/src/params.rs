@@ -24,7 +24,8 @@ pub struct Params {
     /// at the bottom of a crease, which is as sharp as a pore. 0 keeps it.
     pub detail_limit: f64,
     /// Wavelength, mm, above which relief is the shape of the face, which stays: of a wide region, what is broader than this is
-    /// kept from the scan, where the least bending surface would flatten it; 0 leaves all of the region to that surface.
+    /// kept from the scan, where the least bending surface would flatten it. About 20 widths of the widest wrinkle; 0 leaves
+    /// all of the region to that surface.
     pub shape_mm: f64,
     /// Share of each wrinkle that is taken out, 0 to 1.
     pub strength: f64,
@@ -38,10 +39,10 @@ pub struct Params {
 impl Default for Params {
     fn default() -> Self {
         Self {
-            detail_mm: 1.5,
+            detail_mm: 1.6,
             split: Split::Bilaplacian,
-            detail_limit: 3.0,
-            shape_mm: 60.0,
+            detail_limit: 4.0,
+            shape_mm: 25.0,
             strength: 1.0,
             feather_mm: 0.0,
             cotangent_limit: 1e4,

@@ -83,7 +83,7 @@ fn wrinkles_go_and_pores_stay() {
     let before = left_over(&mesh.positions, 0.02);
     let smoothed = remove(&mesh, &weights, &Params::default()).expect("smooth");
     let after = left_over(&smoothed.positions, 0.02);
-    assert!(before > 0.05 && after < 0.1 * before, "{before} to {after} mm");
+    assert!(before > 0.05 && after < 0.15 * before, "{before} to {after} mm");
     // The paper's split is softer: it works, and worse.
     let paper = remove(&mesh, &weights, &Params::paper()).expect("smooth");
     let paper = left_over(&paper.positions, 0.02);

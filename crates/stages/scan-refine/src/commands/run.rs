@@ -93,6 +93,14 @@ fn tell(run: &mut Run, report: &Report) {
     run.result("after_degrees", report.after_degrees);
     run.result("moved_rms_mm", report.moved_rms_mm);
     run.result("moved_max_mm", report.moved_max_mm);
+    run.result("folded_triangles", report.folded_triangles);
+    if report.folded_triangles > 0 {
+        run.warn(format!(
+            "{} triangles face away from their normals: the scan's noise along the surface is as large as its edges there; smooth \
+             or thin it out first",
+            report.folded_triangles
+        ));
+    }
     if report.coverage < LITTLE {
         run.warn(format!(
             "only {:.0} % of the vertices have a normal; the others stay",

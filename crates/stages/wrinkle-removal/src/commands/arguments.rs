@@ -63,7 +63,8 @@ pub(crate) struct Arguments {
     /// Fine detail beyond this many times its level on the skin around is the edge of a crease, and is cut down; 0 keeps it
     #[arg(long, value_name = "TIMES", default_value_t = Params::default().detail_limit)]
     pub(crate) detail_limit: f64,
-    /// Relief of longer wavelength is the face's shape, which stays; 0 leaves all of the region to the surface that bends least
+    /// Relief of longer wavelength is the face's shape, which stays: some 20 widths of the widest wrinkle, 100 for nasolabial folds;
+    /// 0 leaves all of the region to the surface that bends least
     #[arg(long, value_name = "MM", default_value_t = Params::default().shape_mm)]
     pub(crate) shape_mm: f64,
     /// Width of the band inside the region's rim over which the removal sets in
