@@ -82,12 +82,12 @@ impl Averages {
             .zip(&self.weights)
             .zip(&surface.mass)
             .for_each(|((area, weight), mass)| *area *= weight / mass);
+        // The measured ones weigh as much as the areas that face their way, which is linear in noise, too.
         let seen: Vec<Vector3<f64>> = measured
             .iter()
             .zip(&areas)
-            .zip(&self.weights)
-            .map(|((normal, area), weight)| match normal.norm_squared() > 0.0 {
-                true => *weight * normal,
+            .map(|(normal, area)| match normal.norm_squared() > 0.0 {
+                true => normal.dot(area).max(0.0) * normal,
                 false => *area,
             })
             .collect();

@@ -1,4 +1,5 @@
 //! Normal maps: conventions, seams, and maps that are not what they are said to be.
+#![allow(clippy::expect_used, reason = "a test may fail")]
 
 use mesh::{Mesh, vertex_normals};
 use nalgebra::{Vector2, Vector3};

@@ -1,4 +1,5 @@
 //! Laws: agreeing inputs change nothing, noise goes, sharp relief comes, bias does not, and nothing depends on the place.
+#![allow(clippy::expect_used, reason = "a test may fail")]
 
 use mesh::Mesh;
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};

@@ -1,4 +1,5 @@
 //! Laws: what is flat stays, what is outside stays bit for bit, wrinkles go, pores stay, and nothing depends on the place.
+#![allow(clippy::expect_used, reason = "a test may fail")]
 
 use mesh::Mesh;
 use nalgebra::{Isometry3, Point3, Vector3};

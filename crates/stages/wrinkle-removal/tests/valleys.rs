@@ -1,4 +1,5 @@
 //! Regions along measured valleys.
+#![allow(clippy::expect_used, reason = "a test may fail")]
 
 use artifact::{ValleyPoint, ValleysFrame};
 use mesh::Mesh;
