@@ -83,7 +83,7 @@ fn mirrored_textures_keep_green_along_v() {
 fn a_fine_map_is_averaged_not_picked_from() {
     // Stripes of one texel that lean to and fro: at the mesh's scale they cancel.
     let stripes = map(|u, _| {
-        let side = if (u * SIDE as f64) as usize % 2 == 0 { 0.4 } else { -0.4 };
+        let side = if ((u * SIDE as f64) as usize).is_multiple_of(2) { 0.4 } else { -0.4 };
         Vector3::new(side, 0.0, 1.0).normalize()
     });
     let coarse = shapes::grid(8, 2.0);
