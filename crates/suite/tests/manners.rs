@@ -192,6 +192,11 @@ const CALLS: &[(&str, &[&str])] = &[
             "out.png",
         ],
     ),
+    ("wrinkle-removal", &["--mesh", MESH, "--unit", "mm", "--detect", "--out", "out.obj"]),
+    (
+        "scan-refine",
+        &["--mesh", MESH, "--unit", "mm", "--object-map", "missing-input.png", "--out", "out.obj"],
+    ),
     // `house new-stage` adds here
 ];
 

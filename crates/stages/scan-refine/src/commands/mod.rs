@@ -1,0 +1,7 @@
+//! The binary's parts: arguments, and the run.
+
+mod arguments;
+mod run;
+
+pub(crate) use arguments::Arguments;
+pub(crate) use run::run;
