@@ -130,6 +130,7 @@ const CALLS: &[(&str, &[&str])] = &[
             "out.jsonl",
         ],
     ),
+    ("shell-synth", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj"]),
     // `house new-stage` adds here
 ];
 

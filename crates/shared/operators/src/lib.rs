@@ -7,6 +7,7 @@
 //! - [`cotan_stiffness`], [`lumped_mass`], [`bilaplacian`]: assembly.
 //! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
 //! - [`openings()`]: which boundary loops are openings of the surface; [`distance_to_loops`].
+//! - [`Proxy`]: a coarser mesh over some of a mesh's own vertices.
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, substitution, and refinement of what it gives.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
@@ -46,6 +47,7 @@ mod matching;
 mod openings;
 mod ordering;
 mod prefetch;
+mod proxy;
 mod refinement;
 mod responses;
 mod substitution;
@@ -59,5 +61,6 @@ pub use dirichlet::{Dirichlet, Responses};
 pub use factor::{Factor, FactorError};
 pub use openings::{distance_to_loops, openings};
 pub use ordering::{NotAPermutation, Ordering};
+pub use proxy::{Keep, Proxy};
 pub use sprs::CsMat;
 pub use variation::Variation;

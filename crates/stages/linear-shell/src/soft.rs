@@ -1,10 +1,9 @@
 //! The shell with soft openings: third order, solved on a proxy, prolonged to the scan.
 
 use crate::prolongation::Prolongation;
-use crate::proxy::Keep;
 use crate::{Basis, Completion, Constraints, Error, Proxy, Surface};
 use nalgebra::{Point3, Vector3};
-use operators::{Factor, Ordering, Variation, distance_to_loops};
+use operators::{Factor, Keep, Ordering, Variation, distance_to_loops};
 use rayon::prelude::*;
 
 /// Columns that are solved together; a fixed number, so that results do not depend on the threads.
