@@ -15,18 +15,6 @@ pub enum Solver {
     Paper,
 }
 
-/// Where the vertices of a valley go.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Placement {
-    /// Along the section by as much as keeps their distance from the crease, measured on the skin, what it is at rest; then
-    /// along the normal by the section.
-    #[default]
-    Slide,
-    /// The paper's: along the normal only.
-    Normal,
-}
-
 /// What becomes of creases that wander over the skin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -49,10 +37,14 @@ pub struct Params {
     pub area_stiffness: f64,
     /// How the energy is minimised.
     pub solver: Solver,
-    /// Where the vertices of a valley go.
-    pub placement: Placement,
+    /// How far the vertices of a valley slide towards its crease: 0, the paper's, moves them along the normal only and stretches the
+    /// walls; at 1 the walls are as long as at rest.
+    pub slide: f64,
     /// What becomes of creases that wander.
     pub track: Track,
+    /// Whether skin may be as long as in the scan, as in the large-scale motion, or in between, without resistance; the paper's shell
+    /// works against the motion.
+    pub slack: bool,
     /// How far a valley reaches, in its own widths w, …
     pub influence_widths: f64,
     /// … and at most, mm.
@@ -78,8 +70,9 @@ impl Default for Params {
             bending_stiffness: 8.0,
             area_stiffness: 30_000.0,
             solver: Solver::default(),
-            placement: Placement::default(),
+            slide: 0.7,
             track: Track::default(),
+            slack: true,
             influence_widths: 5.0,
             influence_mm: 12.0,
             fade_depth_mm: 0.1,
@@ -99,7 +92,8 @@ impl Params {
         Self {
             bending_stiffness: 2.0,
             solver: Solver::Paper,
-            placement: Placement::Normal,
+            slide: 0.0,
+            slack: false,
             warm_start: false,
             ..Self::default()
         }
@@ -118,6 +112,7 @@ impl Params {
             ("influence in widths", self.influence_widths, self.influence_widths >= 1.5 && self.influence_widths <= 20.0),
             ("influence", self.influence_mm, positive(self.influence_mm)),
             ("fading depth", self.fade_depth_mm, positive(self.fade_depth_mm)),
+            ("slide", self.slide, (0.0..=1.0).contains(&self.slide)),
             ("rim share", self.rim_share, (0.0..=0.5).contains(&self.rim_share)),
             ("step", self.step_mm, positive(self.step_mm)),
             ("coarse edge length", self.coarse_edge_mm, positive(self.coarse_edge_mm)),

@@ -2,6 +2,7 @@
 
 use crate::energy::{self, Curvature, Term};
 use crate::surface::{NONE, Surface};
+use crate::slack::Slack;
 use nalgebra::{Matrix3, Point3, Vector3};
 use operators::{CsMat, Ordering};
 
@@ -22,6 +23,9 @@ pub(crate) struct Patch<'a> {
     /// Hinges and triangles of the mesh, with their vertices' places in `vertices`.
     hinges: Vec<(u32, [u32; 4])>,
     triangles: Vec<(u32, [u32; 3])>,
+    /// Per hinge its edge's length and per triangle its area, at rest.
+    lengths: Vec<Slack>,
+    areas: Vec<Slack>,
     /// Per free vertex where the blocks of its columns start, in blocks.
     starts: Vec<usize>,
     /// Per block the free vertex of its rows; rising in every column.
@@ -50,8 +54,23 @@ impl<'a> Patch<'a> {
             .collect();
         let (starts, rows) = block_pattern(free_count, &hinges);
         let matrix = blank_matrix(&starts, &rows);
+        let lengths = hinges.iter().map(|&(at, _)| Slack::none(surface.hinges[at as usize].length)).collect();
+        let areas = triangles.iter().map(|&(at, _)| Slack::none(surface.rest_areas[at as usize])).collect();
         let vertices = places.vertices;
-        Self { surface, vertices, free_count, springs, hinges, triangles, starts, rows, matrix }
+        Self { surface, vertices, free_count, springs, hinges, triangles, lengths, areas, starts, rows, matrix }
+    }
+
+    /// Takes every edge and triangle for slack between its measure at rest and that in the motion without wrinkles
+    /// ([`crate::slack`]). `large`: of `vertices`.
+    pub(crate) fn slacken(&mut self, large: &[Point3<f64>]) {
+        let at = |vertex: u32| large[vertex as usize];
+        for (&(number, around), length) in self.hinges.iter().zip(&mut self.lengths) {
+            *length = Slack::between(self.surface.hinges[number as usize].length, (at(around[1]) - at(around[0])).norm());
+        }
+        for (&(number, corners), area) in self.triangles.iter().zip(&mut self.areas) {
+            let [a, b, c] = corners.map(at);
+            *area = Slack::between(self.surface.rest_areas[number as usize], 0.5 * (b - a).cross(&(c - a)).norm());
+        }
     }
 
     /// An elimination order of the unknowns (x, y, z of each free vertex): nested dissection of the vertices.
@@ -70,11 +89,10 @@ impl<'a> Patch<'a> {
     pub(crate) fn energy(&self, points: &[Point3<f64>]) -> f64 {
         let at = |vertex: u32| points[vertex as usize];
         let mut sum = 0.0;
-        for &(number, around) in &self.hinges {
+        for (&(number, around), length) in self.hinges.iter().zip(&self.lengths) {
             let hinge = &self.surface.hinges[number as usize];
             if self.stretches(&around) {
-                let excess = (at(around[1]) - at(around[0])).norm() - hinge.length;
-                sum += hinge.edge_weight * excess * excess;
+                sum += hinge.edge_weight * length.energy((at(around[1]) - at(around[0])).norm());
             }
             if hinge.bends() {
                 let angle = energy::dihedral_angle(&around.map(at));
@@ -82,10 +100,9 @@ impl<'a> Patch<'a> {
                 sum += hinge.bend_weight * excess * excess;
             }
         }
-        for &(number, corners) in &self.triangles {
+        for (&(number, corners), area) in self.triangles.iter().zip(&self.areas) {
             let [a, b, c] = corners.map(at);
-            let excess = 0.5 * (b - a).cross(&(c - a)).norm() - self.surface.rest_areas[number as usize];
-            sum += self.surface.area_weights[number as usize] * excess * excess;
+            sum += self.surface.area_weights[number as usize] * area.energy(0.5 * (b - a).cross(&(c - a)).norm());
         }
         sum + self.spring_energy(points)
     }
@@ -113,21 +130,30 @@ impl<'a> Patch<'a> {
         };
         sum.values.fill(0.0);
         let at = |vertex: u32| points[vertex as usize];
-        for &(number, around) in &self.hinges {
+        for (&(number, around), length) in self.hinges.iter().zip(&self.lengths) {
             let hinge = &self.surface.hinges[number as usize];
             let ends = [around[0], around[1]];
             if ends.iter().any(|&vertex| vertex < sum.free_count) {
-                sum.add(&ends, &energy::edge(&ends.map(at), hinge.length, hinge.edge_weight, curvature));
+                let points = ends.map(at);
+                let measure = (points[1] - points[0]).norm();
+                let (rest, share) = length.parabola(measure);
+                let mut term = energy::edge(&points, rest, share * hinge.edge_weight, curvature);
+                term.energy = hinge.edge_weight * length.energy(measure);
+                sum.add(&ends, &term);
             }
             if hinge.bends() {
                 let term = energy::hinge(&around.map(at), hinge.angle, hinge.bend_weight, curvature);
                 sum.add(&around, &term);
             }
         }
-        for &(number, corners) in &self.triangles {
-            let (area, weight) =
-                (self.surface.rest_areas[number as usize], self.surface.area_weights[number as usize]);
-            sum.add(&corners, &energy::triangle(&corners.map(at), area, weight, curvature));
+        for (&(number, corners), area) in self.triangles.iter().zip(&self.areas) {
+            let weight = self.surface.area_weights[number as usize];
+            let points = corners.map(at);
+            let measure = 0.5 * (points[1] - points[0]).cross(&(points[2] - points[0])).norm();
+            let (rest, share) = area.parabola(measure);
+            let mut term = energy::triangle(&points, rest, share * weight, curvature);
+            term.energy = weight * area.energy(measure);
+            sum.add(&corners, &term);
         }
         for (vertex, springs) in self.springs.iter().enumerate() {
             springs.iter().for_each(|spring| sum.add_spring(vertex as u32, at(vertex as u32), spring));

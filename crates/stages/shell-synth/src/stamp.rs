@@ -5,7 +5,7 @@ use crate::curve::{Curve, nearest_from};
 use crate::profile::{Profile, smooth_step};
 use crate::reach::Beside;
 use crate::surface::{NONE, Surface};
-use crate::{Params, Placement};
+use crate::Params;
 use nalgebra::{Point3, Vector3};
 
 /// Over this last share of its reach a valley's influence fades.
@@ -122,10 +122,8 @@ impl Wall<'_> {
             return claim;
         }
         let side = 1f64.copysign(beside.across_mm);
-        let distance = match self.params.placement {
-            Placement::Normal => foot.distance,
-            Placement::Slide => section.distance_of_arc(beside.foot.distance, side),
-        };
+        let inextensible = section.distance_of_arc(beside.foot.distance, side);
+        let distance = foot.distance + self.params.slide * (inextensible - foot.distance);
         let rim = distance / section.side_mm(side);
         if rim >= 1.0 {
             return claim;

@@ -284,6 +284,10 @@ impl Synthesis {
         };
         let springs = region.free.iter().map(spring).collect();
         let mut patch = Patch::new(&self.surface, region.free.clone(), springs);
+        if self.params.slack {
+            let large: Vec<Point3<f64>> = patch.vertices.iter().map(|&vertex| scene.large[vertex as usize]).collect();
+            patch.slacken(&large);
+        }
         let mut points: Vec<Point3<f64>> =
             patch.vertices.iter().map(|&vertex| scene.start[vertex as usize]).collect();
         let warm = self.is_same_fold(scene, region, coarse.as_ref());
@@ -344,6 +348,11 @@ impl Synthesis {
         };
         let springs = free.iter().map(spring).collect();
         let mut patch = Patch::new(&coarse.surface, free, springs);
+        if self.params.slack {
+            let of = |&at: &u32| scene.large[coarse.vertices[at as usize] as usize];
+            let large: Vec<Point3<f64>> = patch.vertices.iter().map(of).collect();
+            patch.slacken(&large);
+        }
         let start = |&at: &u32| scene.start[coarse.vertices[at as usize] as usize];
         let mut points: Vec<Point3<f64>> = patch.vertices.iter().map(start).collect();
         let descent = minimise(&mut patch, &mut points, Rule::Step(COARSE_STEP_MM))?;

@@ -3,7 +3,7 @@
 use anyhow::bail;
 use artifact::{FrameRange, Unit};
 use clap::{Parser, ValueEnum};
-use shell_synth::{Params, Placement, Solver, Track};
+use shell_synth::{Params, Solver, Track};
 use std::path::PathBuf;
 
 /// Adds measured wrinkles to an animated face mesh, and lets a nonlinear thin shell raise the bulges between them
@@ -37,9 +37,10 @@ pub(crate) struct Arguments {
     /// How the energy is minimised
     #[arg(long, value_enum)]
     solver: Option<SolverChoice>,
-    /// Where the vertices of a valley go
-    #[arg(long, value_enum)]
-    placement: Option<PlacementChoice>,
+    /// How far a valley's vertices slide towards the crease, 0 (along the normal only) to 1 (walls as long as at rest)
+    /// [default: 0.7; preset paper: 0]
+    #[arg(long, value_name = "SHARE")]
+    slide: Option<f64>,
     /// What becomes of creases that wander over the skin
     #[arg(long, value_enum)]
     track: Option<TrackChoice>,
@@ -52,6 +53,9 @@ pub(crate) struct Arguments {
     /// Stiffness of areas k_a, per mm² [default: 30000]
     #[arg(long, value_name = "K")]
     area_stiffness: Option<f64>,
+    /// Let the shell work against the large-scale motion wherever it stretches or shortens the skin, as the paper does
+    #[arg(long)]
+    no_slack: bool,
     /// How far a valley reaches, in its widths
     #[arg(long, value_name = "WIDTHS", default_value_t = Params::default().influence_widths)]
     influence_widths: f64,
@@ -124,14 +128,12 @@ impl Arguments {
                 SolverChoice::CoarseToFine => Solver::CoarseToFine,
                 SolverChoice::Paper => Solver::Paper,
             }),
-            placement: self.placement.map_or(preset.placement, |choice| match choice {
-                PlacementChoice::Slide => Placement::Slide,
-                PlacementChoice::Normal => Placement::Normal,
-            }),
+            slide: self.slide.unwrap_or(preset.slide),
             track: self.track.map_or(preset.track, |choice| match choice {
                 TrackChoice::Steady => Track::Steady,
                 TrackChoice::AsFound => Track::AsFound,
             }),
+            slack: preset.slack && !self.no_slack,
             influence_widths: self.influence_widths,
             influence_mm: self.influence,
             fade_depth_mm: self.fade_depth,
@@ -158,14 +160,6 @@ enum SolverChoice {
     CoarseToFine,
     /// Gauss–Newton on the mesh itself until the energy falls by less than 1e-5 of itself; k_e whatever the edge length
     Paper,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum PlacementChoice {
-    /// Along the skin too, so that the valley's walls are as long as at rest
-    Slide,
-    /// Along the normal only
-    Normal,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
