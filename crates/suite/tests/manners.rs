@@ -130,7 +130,7 @@ const CALLS: &[(&str, &[&str])] = &[
             "out.jsonl",
         ],
     ),
-    ("shell-synth", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj"]),
+    ("shell-synth", &["--mesh", MESH, "--large-scale", DOCUMENT, "--valleys", STREAM, "--out", "out.json"]),
     // `house new-stage` adds here
 ];
 

@@ -59,7 +59,9 @@ impl Factor {
     pub fn renew(&mut self, matrix: &CsMat<f64>) -> Result<(), FactorError> {
         let Self { symbolic, values } = self;
         let elimination = Elimination { symbolic, matrix: Permuted::new(matrix, &symbolic.order) };
-        elimination.ascend(values).map_err(|column| FactorError::NotPositive { vertex: symbolic.order[column] })
+        elimination
+            .ascend(values)
+            .map_err(|column| FactorError::NotPositive { vertex: symbolic.order[column] })
     }
 
     /// The unknowns' vertices, in the order in which [`Factor::solve_in_place`] takes them.

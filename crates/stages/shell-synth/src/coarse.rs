@@ -26,8 +26,12 @@ impl Coarse {
         let mut local = vec![NONE; surface.rest.len()];
         zone.iter().enumerate().for_each(|(at, &vertex)| local[vertex as usize] = at as u32);
         let inside = |corners: &&[u32; 3]| corners.iter().all(|&vertex| local[vertex as usize] != NONE);
-        let triangles: Vec<[u32; 3]> =
-            surface.triangles.iter().filter(inside).map(|corners| corners.map(|vertex| local[vertex as usize])).collect();
+        let triangles: Vec<[u32; 3]> = surface
+            .triangles
+            .iter()
+            .filter(inside)
+            .map(|corners| corners.map(|vertex| local[vertex as usize]))
+            .collect();
         let points: Vec<Point3<f64>> = zone.iter().map(|&vertex| surface.rest[vertex as usize]).collect();
         let edge = mesh::edge_length_median(&points, &triangles);
         if triangles.is_empty() || edge > FINE_SHARE * params.coarse_edge_mm {

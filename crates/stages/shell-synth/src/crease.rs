@@ -135,7 +135,8 @@ impl Line {
     fn new(surface: &Surface, points: &[ValleyPoint]) -> Self {
         let places: Vec<Place> =
             points.iter().map(|point| Place { triangle: point.face, shares: point.barycentric }).collect();
-        let section = |p: &ValleyPoint| Profile { w_mm: p.w_mm, d_mm: p.d_mm, epsilon: p.epsilon, kappa: p.kappa };
+        let section =
+            |p: &ValleyPoint| Profile { w_mm: p.w_mm, d_mm: p.d_mm, epsilon: p.epsilon, kappa: p.kappa };
         let mut line = Self {
             points: places.iter().map(|place| place.on(&surface.rest, &surface.triangles)).collect(),
             places,
@@ -162,7 +163,12 @@ impl Line {
     }
 
     /// Where it crosses the plane across another curve at one of its samples: the distance along `across`, and the section.
-    fn crossing(&self, at: &Point3<f64>, along: &Vector3<f64>, across: &Vector3<f64>) -> Option<(f64, Profile)> {
+    fn crossing(
+        &self,
+        at: &Point3<f64>,
+        along: &Vector3<f64>,
+        across: &Vector3<f64>,
+    ) -> Option<(f64, Profile)> {
         let before = |point: &Point3<f64>| (point - at).dot(along);
         let mut best: Option<(f64, f64, Profile)> = None;
         for k in 1..self.points.len() {
@@ -174,7 +180,11 @@ impl Line {
             let from = self.points[k - 1] + (self.points[k] - self.points[k - 1]) * share - at;
             let distance = from.norm();
             if distance <= FARTHEST_MM && best.is_none_or(|best| distance < best.0) {
-                best = Some((distance, from.dot(across), self.sections[k - 1].between(&self.sections[k], share)));
+                best = Some((
+                    distance,
+                    from.dot(across),
+                    self.sections[k - 1].between(&self.sections[k], share),
+                ));
             }
         }
         best.map(|(_, offset, section)| (offset, section))
@@ -186,10 +196,14 @@ impl Line {
         let place = |k: usize| {
             let at = self.length() * k as f64 / count as f64;
             let next = self.along.partition_point(|&along| along < at).clamp(1, self.along.len() - 1);
-            let share = (at - self.along[next - 1]) / (self.along[next] - self.along[next - 1]).max(f64::MIN_POSITIVE);
+            let share = (at - self.along[next - 1])
+                / (self.along[next] - self.along[next - 1]).max(f64::MIN_POSITIVE);
             (next, share)
         };
-        (0..=count).map(place).map(|(next, share)| self.places[if share < 0.5 { next - 1 } else { next }]).collect()
+        (0..=count)
+            .map(place)
+            .map(|(next, share)| self.places[if share < 0.5 { next - 1 } else { next }])
+            .collect()
     }
 }
 
@@ -215,7 +229,9 @@ impl Crease {
         let track = steady_track(&sections, &offsets);
         let wander: Vec<Vec<f64>> = offsets
             .iter()
-            .map(|row| row.iter().zip(&track).map(|(offset, track)| offset.unwrap_or(*track) - track).collect())
+            .map(|row| {
+                row.iter().zip(&track).map(|(offset, track)| offset.unwrap_or(*track) - track).collect()
+            })
             .collect();
         let found_mm = wander_95(&wander, &sections, params.fade_depth_mm);
         let curve = shifted(surface, normals, locator, &guide, &track);
@@ -270,7 +286,9 @@ fn crossings(guide: &Curve, lines: &[Line]) -> (Rows<Profile>, Rows<Option<f64>>
         let at = |k: usize| line.crossing(&guide.points[k], &directions[k], &guide.across[k]);
         (0..guide.points.len())
             .map(at)
-            .map(|found| found.map_or((Profile::default(), None), |(offset, section)| (section, Some(offset))))
+            .map(|found| {
+                found.map_or((Profile::default(), None), |(offset, section)| (section, Some(offset)))
+            })
             .unzip()
     };
     lines.iter().map(of_line).unzip()
@@ -303,11 +321,12 @@ fn steady_track(sections: &[Vec<Profile>], offsets: &[Vec<Option<f64>>]) -> Vec<
         seen.sort_by(|a, b| a.0.total_cmp(&b.0));
         let half: f64 = 0.5 * seen.iter().map(|seen| seen.1).sum::<f64>();
         let mut sum = 0.0;
-        seen.iter().find(|seen| {
-            sum += seen.1;
-            sum >= half
-        })
-        .map_or(0.0, |seen| seen.0)
+        seen.iter()
+            .find(|seen| {
+                sum += seen.1;
+                sum >= half
+            })
+            .map_or(0.0, |seen| seen.0)
     };
     let mut track: Vec<f64> = (0..samples).map(median).collect();
     for _ in 0..4 {
@@ -350,10 +369,14 @@ fn shifted(
 /// The value at a share of the way between the second and the third of four equally spaced values, by a cubic that rises and
 /// falls only where they do [FritschButland1984].
 fn monotone([a, b, c, d]: [f64; 4], share: f64) -> f64 {
-    let slope = |left: f64, right: f64| if left * right <= 0.0 { 0.0 } else { 2.0 * left * right / (left + right) };
+    let slope =
+        |left: f64, right: f64| if left * right <= 0.0 { 0.0 } else { 2.0 * left * right / (left + right) };
     let (at_b, at_c) = (slope(b - a, c - b), slope(c - b, d - c));
     let (s, s2, s3) = (share, share * share, share * share * share);
-    (2.0 * s3 - 3.0 * s2 + 1.0) * b + (s3 - 2.0 * s2 + s) * at_b + (3.0 * s2 - 2.0 * s3) * c + (s3 - s2) * at_c
+    (2.0 * s3 - 3.0 * s2 + 1.0) * b
+        + (s3 - 2.0 * s2 + s) * at_b
+        + (3.0 * s2 - 2.0 * s3) * c
+        + (s3 - s2) * at_c
 }
 
 #[cfg(test)]

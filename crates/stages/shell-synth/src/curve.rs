@@ -20,7 +20,8 @@ impl Curve {
     pub(crate) fn new(surface: &Surface, normals: &[Vector3<f64>], places: Vec<Place>) -> Self {
         let points: Vec<Point3<f64>> =
             places.iter().map(|place| place.on(&surface.rest, &surface.triangles)).collect();
-        let normals: Vec<Vector3<f64>> = places.iter().map(|place| normal_at(surface, normals, place)).collect();
+        let normals: Vec<Vector3<f64>> =
+            places.iter().map(|place| normal_at(surface, normals, place)).collect();
         let across = (0..points.len())
             .map(|k| tangent(&points, k).cross(&normals[k]).try_normalize(0.0).unwrap_or_else(Vector3::zeros))
             .collect();

@@ -10,7 +10,7 @@ use serde::Serialize;
 const MOST_STEPS: usize = 80;
 /// From a predicted decrease of this share of the energy on, the exact Hessian is tried.
 const EXACT_FROM: f64 = 1e-2;
-/// Share of the predicted decrease that a step must bring [Armijo1966].
+/// Share of the predicted decrease that a step must bring (Armijo's condition).
 const SUFFICIENT: f64 = 1e-4;
 /// The paper's relative decrease at which it stops.
 const PAPER_DECREASE: f64 = 1e-5;
@@ -48,7 +48,11 @@ pub struct Descent {
 }
 
 /// Moves the free vertices (the first of `points`) down the energy.
-pub(crate) fn minimise(patch: &mut Patch, points: &mut Vec<Point3<f64>>, rule: Rule) -> Result<Descent, FactorError> {
+pub(crate) fn minimise(
+    patch: &mut Patch,
+    points: &mut Vec<Point3<f64>>,
+    rule: Rule,
+) -> Result<Descent, FactorError> {
     let mut way = Descent::default();
     let mut system = System { order: patch.order(), factor: None };
     let mut exact = false;

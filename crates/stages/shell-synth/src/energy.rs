@@ -181,7 +181,8 @@ impl HingeShape {
         sides[0] = sign * (apex - self.along);
         sides[1] = -sign * apex;
         sides[2 + wing] = sign * self.along;
-        let flat = (Matrix3::identity() - area * area.transpose() * (2.0 / squared)) * (-self.length / squared);
+        let flat =
+            (Matrix3::identity() - area * area.transpose() * (2.0 / squared)) * (-self.length / squared);
         let mut derivative = sides.map(|side| flat * side.cross_matrix());
         let stretch = area * unit.transpose() / squared;
         derivative[0] += stretch;

@@ -29,7 +29,9 @@ pub enum Error {
         count: usize,
     },
     /// A frame has another number of vertices than the rest mesh.
-    #[error("the frame has {found} vertices, the rest mesh {expected}\n  to do: give the mesh that the sequence was made for")]
+    #[error(
+        "the frame has {found} vertices, the rest mesh {expected}\n  to do: give the mesh that the sequence was made for"
+    )]
     VertexCount {
         /// Vertices of the frame.
         found: usize,
@@ -40,7 +42,9 @@ pub enum Error {
     #[error("edge {0}–{1} has more than two triangles\n  to do: repair the scan (non-manifold edges)")]
     NonManifold(u32, u32),
     /// A triangle in a wrinkle's reach is a point or a line at rest.
-    #[error("triangle {triangle} (vertex {vertex}) has no area at rest, and a wrinkle reaches it\n  to do: repair the scan (degenerate triangles)")]
+    #[error(
+        "triangle {triangle} (vertex {vertex}) has no area at rest, and a wrinkle reaches it\n  to do: repair the scan (degenerate triangles)"
+    )]
     Degenerate {
         /// The triangle.
         triangle: u32,
@@ -48,6 +52,8 @@ pub enum Error {
         vertex: u32,
     },
     /// The energy could not be minimised.
-    #[error("the shell's system cannot be solved: {0}\n  to do: check the mesh near the wrinkle for degenerate triangles")]
+    #[error(
+        "the shell's system cannot be solved: {0}\n  to do: check the mesh near the wrinkle for degenerate triangles"
+    )]
     Solve(#[from] operators::FactorError),
 }

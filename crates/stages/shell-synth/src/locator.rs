@@ -15,8 +15,11 @@ impl Place {
     /// Where it is when the vertices are at `points`.
     pub(crate) fn on(&self, points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Point3<f64> {
         let corners = triangles[self.triangle as usize];
-        let sum: Vector3<f64> =
-            corners.iter().zip(self.shares).map(|(&vertex, share)| points[vertex as usize].coords * share).sum();
+        let sum: Vector3<f64> = corners
+            .iter()
+            .zip(self.shares)
+            .map(|(&vertex, share)| points[vertex as usize].coords * share)
+            .sum();
         Point3::from(sum)
     }
 }
@@ -36,7 +39,8 @@ impl<'a> Locator<'a> {
     /// The nearest place on the triangles around the nearest vertex and its neighbours.
     pub(crate) fn nearest(&self, point: &Point3<f64>) -> Option<Place> {
         let query: [f64; 3] = (*point).into();
-        let vertex = self.tree.as_ref()?.query(&query).nearest_one::<SquaredEuclidean<f64>>().execute().item as u32;
+        let vertex =
+            self.tree.as_ref()?.query(&query).nearest_one::<SquaredEuclidean<f64>>().execute().item as u32;
         let mut near: Vec<u32> = self.surface.around(vertex).to_vec();
         self.surface.for_neighbors(vertex, |other| near.extend(self.surface.around(other)));
         near.sort_unstable();
@@ -65,7 +69,7 @@ pub(crate) fn nearest_of(
     best
 }
 
-/// Barycentric shares of the point of a triangle that is nearest to a point [Ericson2005, Sec. 5.1.5].
+/// Barycentric shares of the point of a triangle that is nearest to a point, region by region of its plane.
 fn nearest_shares([a, b, c]: &[Point3<f64>; 3], point: &Point3<f64>) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let (from_a, from_b, from_c) = (point - a, point - b, point - c);

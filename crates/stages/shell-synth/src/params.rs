@@ -42,9 +42,9 @@ pub struct Params {
     pub slide: f64,
     /// What becomes of creases that wander.
     pub track: Track,
-    /// Whether skin may be as long as in the scan, as in the large-scale motion, or in between, without resistance; the paper's shell
-    /// works against the motion.
-    pub slack: bool,
+    /// Share of the stiffness with which skin resists being shortened or stretched as far as the large-scale motion does; 1 is the
+    /// paper's shell, which works against the motion.
+    pub resistance: f64,
     /// How far a valley reaches, in its own widths w, …
     pub influence_widths: f64,
     /// … and at most, mm.
@@ -67,12 +67,12 @@ impl Default for Params {
     fn default() -> Self {
         Self {
             edge_stiffness: 300.0,
-            bending_stiffness: 8.0,
+            bending_stiffness: 20.0,
             area_stiffness: 30_000.0,
             solver: Solver::default(),
-            slide: 0.7,
+            slide: 0.6,
             track: Track::default(),
-            slack: true,
+            resistance: 0.005,
             influence_widths: 5.0,
             influence_mm: 12.0,
             fade_depth_mm: 0.1,
@@ -93,7 +93,7 @@ impl Params {
             bending_stiffness: 2.0,
             solver: Solver::Paper,
             slide: 0.0,
-            slack: false,
+            resistance: 1.0,
             warm_start: false,
             ..Self::default()
         }
@@ -109,9 +109,14 @@ impl Params {
             ("edge stiffness", self.edge_stiffness, positive(self.edge_stiffness)),
             ("bending stiffness", self.bending_stiffness, positive(self.bending_stiffness)),
             ("area stiffness", self.area_stiffness, positive(self.area_stiffness)),
-            ("influence in widths", self.influence_widths, self.influence_widths >= 1.5 && self.influence_widths <= 20.0),
+            (
+                "influence in widths",
+                self.influence_widths,
+                self.influence_widths >= 1.5 && self.influence_widths <= 20.0,
+            ),
             ("influence", self.influence_mm, positive(self.influence_mm)),
             ("fading depth", self.fade_depth_mm, positive(self.fade_depth_mm)),
+            ("resistance", self.resistance, (1e-4..=1.0).contains(&self.resistance)),
             ("slide", self.slide, (0.0..=1.0).contains(&self.slide)),
             ("rim share", self.rim_share, (0.0..=0.5).contains(&self.rim_share)),
             ("step", self.step_mm, positive(self.step_mm)),

@@ -1,8 +1,8 @@
 //! A part of the shell whose vertices are free, with everything else standing still: energy, gradient, Hessian.
 
 use crate::energy::{self, Curvature, Term};
-use crate::surface::{NONE, Surface};
 use crate::slack::Slack;
+use crate::surface::{NONE, Surface};
 use nalgebra::{Matrix3, Point3, Vector3};
 use operators::{CsMat, Ordering};
 
@@ -42,11 +42,14 @@ impl<'a> Patch<'a> {
             places.vertices.iter().flat_map(|&vertex| surface.around(vertex)).copied().collect();
         near.sort_unstable();
         near.dedup();
-        let mut edges: Vec<u32> = near.iter().flat_map(|&triangle| surface.sides[triangle as usize]).collect();
+        let mut edges: Vec<u32> =
+            near.iter().flat_map(|&triangle| surface.sides[triangle as usize]).collect();
         edges.sort_unstable();
         edges.dedup();
-        let triangles: Vec<(u32, [u32; 3])> =
-            near.iter().map(|&at| (at, surface.triangles[at as usize].map(|vertex| places.of(vertex)))).collect();
+        let triangles: Vec<(u32, [u32; 3])> = near
+            .iter()
+            .map(|&at| (at, surface.triangles[at as usize].map(|vertex| places.of(vertex))))
+            .collect();
         let hinges: Vec<(u32, [u32; 4])> = edges
             .iter()
             .map(|&at| (at, surface.hinges[at as usize].vertices.map(|vertex| places.of(vertex))))
@@ -54,22 +57,48 @@ impl<'a> Patch<'a> {
             .collect();
         let (starts, rows) = block_pattern(free_count, &hinges);
         let matrix = blank_matrix(&starts, &rows);
-        let lengths = hinges.iter().map(|&(at, _)| Slack::none(surface.hinges[at as usize].length)).collect();
-        let areas = triangles.iter().map(|&(at, _)| Slack::none(surface.rest_areas[at as usize])).collect();
+        let lengths = hinges
+            .iter()
+            .map(|&(at, _)| {
+                let length = surface.hinges[at as usize].length;
+                Slack::new(length, length, 1.0)
+            })
+            .collect();
+        let areas = triangles
+            .iter()
+            .map(|&(at, _)| {
+                let area = surface.rest_areas[at as usize];
+                Slack::new(area, area, 1.0)
+            })
+            .collect();
         let vertices = places.vertices;
-        Self { surface, vertices, free_count, springs, hinges, triangles, lengths, areas, starts, rows, matrix }
+        Self {
+            surface,
+            vertices,
+            free_count,
+            springs,
+            hinges,
+            triangles,
+            lengths,
+            areas,
+            starts,
+            rows,
+            matrix,
+        }
     }
 
     /// Takes every edge and triangle for slack between its measure at rest and that in the motion without wrinkles
     /// ([`crate::slack`]). `large`: of `vertices`.
-    pub(crate) fn slacken(&mut self, large: &[Point3<f64>]) {
+    pub(crate) fn slacken(&mut self, large: &[Point3<f64>], share: f64) {
         let at = |vertex: u32| large[vertex as usize];
         for (&(number, around), length) in self.hinges.iter().zip(&mut self.lengths) {
-            *length = Slack::between(self.surface.hinges[number as usize].length, (at(around[1]) - at(around[0])).norm());
+            let given = (at(around[1]) - at(around[0])).norm();
+            *length = Slack::new(self.surface.hinges[number as usize].length, given, share);
         }
         for (&(number, corners), area) in self.triangles.iter().zip(&mut self.areas) {
             let [a, b, c] = corners.map(at);
-            *area = Slack::between(self.surface.rest_areas[number as usize], 0.5 * (b - a).cross(&(c - a)).norm());
+            let given = 0.5 * (b - a).cross(&(c - a)).norm();
+            *area = Slack::new(self.surface.rest_areas[number as usize], given, share);
         }
     }
 
@@ -78,7 +107,8 @@ impl<'a> Patch<'a> {
         let count = self.free_count;
         let mut indices = Vec::with_capacity(self.rows.len());
         indices.extend(self.rows.iter().map(|&row| row as usize));
-        let pattern = CsMat::new_csc((count, count), self.starts.clone(), indices, vec![1.0; self.rows.len()]);
+        let pattern =
+            CsMat::new_csc((count, count), self.starts.clone(), indices, vec![1.0; self.rows.len()]);
         let points: Vec<Point3<f64>> =
             self.vertices[..count].iter().map(|&vertex| self.surface.rest[vertex as usize]).collect();
         let order = Ordering::nested_dissection(&pattern, &points);
@@ -102,7 +132,8 @@ impl<'a> Patch<'a> {
         }
         for (&(number, corners), area) in self.triangles.iter().zip(&self.areas) {
             let [a, b, c] = corners.map(at);
-            sum += self.surface.area_weights[number as usize] * area.energy(0.5 * (b - a).cross(&(c - a)).norm());
+            sum += self.surface.area_weights[number as usize]
+                * area.energy(0.5 * (b - a).cross(&(c - a)).norm());
         }
         sum + self.spring_energy(points)
     }

@@ -64,6 +64,9 @@ impl PartialOrd for Open {
 
 impl Ord for Open {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.distance.total_cmp(&other.distance).then(self.vertex.cmp(&other.vertex)).then(self.segment.cmp(&other.segment))
+        self.distance
+            .total_cmp(&other.distance)
+            .then(self.vertex.cmp(&other.vertex))
+            .then(self.segment.cmp(&other.segment))
     }
 }

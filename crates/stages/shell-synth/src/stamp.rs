@@ -1,11 +1,11 @@
 //! What the valleys of a frame ask of the vertices: where they hold them, and which they let go.
 
+use crate::Params;
 use crate::crease::{Creases, Moment};
 use crate::curve::{Curve, nearest_from};
 use crate::profile::{Profile, smooth_step};
 use crate::reach::Beside;
 use crate::surface::{NONE, Surface};
-use crate::Params;
 use nalgebra::{Point3, Vector3};
 
 /// Over this last share of its reach a valley's influence fades.
@@ -34,7 +34,6 @@ pub(crate) struct Open<'a> {
     pub(crate) crease: u32,
     pub(crate) curve: &'a Curve,
     pub(crate) reach: &'a [Beside],
-    pub(crate) reach_mm: f64,
     pub(crate) sections: Vec<Profile>,
 }
 
@@ -46,10 +45,9 @@ impl<'a> Open<'a> {
         moment: &Moment,
         curve: &'a Curve,
         reach: &'a [Beside],
-        reach_mm: f64,
     ) -> Option<Self> {
         let sections = creases.all[crease].sections(moment)?;
-        Some(Self { crease: crease as u32, curve, reach, reach_mm, sections })
+        Some(Self { crease: crease as u32, curve, reach, sections })
     }
 }
 
@@ -75,7 +73,12 @@ pub(crate) fn claims(surface: &Surface, large: &[Point3<f64>], open: &[Open], pa
                     *at = claims.len() as u32;
                     claims.push(claim);
                 }
-                at => merge(&mut claims[*at as usize], &claim, &large[beside.vertex as usize], &normals[beside.vertex as usize]),
+                at => merge(
+                    &mut claims[*at as usize],
+                    &claim,
+                    &large[beside.vertex as usize],
+                    &normals[beside.vertex as usize],
+                ),
             }
         }
     }
@@ -110,7 +113,7 @@ impl Wall<'_> {
         let foot = nearest_from(self.line, beside.foot.segment, &at);
         let section = foot.between(&self.valley.sections, Profile::between);
         let depth = smooth_step(section.d_mm / self.params.fade_depth_mm);
-        let edge = (1.0 - beside.foot.distance / self.valley.reach_mm) / FADE_SHARE;
+        let edge = (1.0 - beside.foot.distance / reach_mm(section.w_mm, self.params)) / FADE_SHARE;
         let mut claim = Claim {
             vertex: beside.vertex,
             hold: 0.0,
@@ -128,12 +131,14 @@ impl Wall<'_> {
         if rim >= 1.0 {
             return claim;
         }
-        let loose = ((rim - 1.0 + self.params.rim_share) / self.params.rim_share.max(f64::MIN_POSITIVE)).max(0.0);
+        let loose =
+            ((rim - 1.0 + self.params.rim_share) / self.params.rim_share.max(f64::MIN_POSITIVE)).max(0.0);
         claim.hold = depth * (1.0 - smooth_step(loose));
         let normal = self.normals[beside.vertex as usize];
         let outwards = at - foot.point(self.line);
         let outwards = outwards - normal * normal.dot(&outwards);
-        let slide = outwards.try_normalize(1e-9).map_or(Vector3::zeros(), |unit| unit * (distance - foot.distance));
+        let slide =
+            outwards.try_normalize(1e-9).map_or(Vector3::zeros(), |unit| unit * (distance - foot.distance));
         claim.target = at + slide + normal * section.at(side * distance).0;
         claim
     }
@@ -144,7 +149,8 @@ fn smoothed_normals(surface: &Surface, large: &[Point3<f64>], open: &[Open]) -> 
     let mut near = vec![false; large.len()];
     for valley in open {
         let widest = valley.sections.iter().map(|section| section.w_mm).fold(0.0, f64::max);
-        let close = valley.reach.iter().filter(|beside| beside.foot.distance < 2.0 * widest + 2.0 * NORMAL_RADIUS_MM);
+        let close =
+            valley.reach.iter().filter(|beside| beside.foot.distance < 2.0 * widest + 2.0 * NORMAL_RADIUS_MM);
         close.for_each(|beside| near[beside.vertex as usize] = true);
     }
     let band: Vec<u32> = (0..large.len() as u32).filter(|&vertex| near[vertex as usize]).collect();

@@ -44,13 +44,20 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub(crate) fn new(rest: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>, params: &Params) -> Result<Self, Error> {
+    pub(crate) fn new(
+        rest: Vec<Point3<f64>>,
+        triangles: Vec<[u32; 3]>,
+        params: &Params,
+    ) -> Result<Self, Error> {
         let rest_areas = mesh::triangle_areas(&rest, &triangles);
         let (around_starts, around) = triangles_around(rest.len(), &triangles);
         let mut surface = Self {
             vertex_areas: vec![0.0; rest.len()],
             boundary: vec![false; rest.len()],
-            area_weights: rest_areas.iter().map(|&area| params.area_stiffness / area.max(f64::MIN_POSITIVE)).collect(),
+            area_weights: rest_areas
+                .iter()
+                .map(|&area| params.area_stiffness / area.max(f64::MIN_POSITIVE))
+                .collect(),
             sides: vec![[NONE; 3]; triangles.len()],
             hinges: Vec::new(),
             rest,
@@ -75,7 +82,10 @@ impl Surface {
     /// Calls `with` for every corner of the triangles around a vertex but itself: inner neighbours come twice.
     pub(crate) fn for_neighbors(&self, vertex: u32, mut with: impl FnMut(u32)) {
         for &triangle in self.around(vertex) {
-            self.triangles[triangle as usize].iter().filter(|&&other| other != vertex).for_each(|&other| with(other));
+            self.triangles[triangle as usize]
+                .iter()
+                .filter(|&&other| other != vertex)
+                .for_each(|&other| with(other));
         }
     }
 
@@ -121,7 +131,8 @@ impl Surface {
     fn hinge(&self, first: u32, second: Option<u32>, params: &Params) -> Hinge {
         let [start, stop] = self.ends(first);
         let length = (self.rest[stop as usize] - self.rest[start as usize]).norm().max(f64::MIN_POSITIVE);
-        let areas: f64 = [Some(first), second].iter().flatten().map(|side| self.rest_areas[*side as usize / 3]).sum();
+        let areas: f64 =
+            [Some(first), second].iter().flatten().map(|side| self.rest_areas[*side as usize / 3]).sum();
         let mean_area = areas / if second.is_some() { 2.0 } else { 1.0 };
         // The side of an equilateral triangle of that area.
         let local = (4.0 * mean_area / 3f64.sqrt()).sqrt();

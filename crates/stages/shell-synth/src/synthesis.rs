@@ -112,12 +112,19 @@ impl Synthesis {
     ///
     /// # Errors
     /// [`Error`]: parameters out of range, valleys of another mesh, a mesh that is no surface.
-    pub fn new(mesh: &Mesh, wrinkles: &[String], valleys: &[ValleysFrame], params: &Params) -> Result<Self, Error> {
+    pub fn new(
+        mesh: &Mesh,
+        wrinkles: &[String],
+        valleys: &[ValleysFrame],
+        params: &Params,
+    ) -> Result<Self, Error> {
         params.check()?;
         let surface = Surface::new(mesh.positions.clone(), mesh.triangles(), params)?;
         let normals = mesh::vertex_normals(&surface.rest, &surface.triangles);
         let creases = Creases::new(&surface, &normals, wrinkles, valleys, params)?;
-        let walk = |crease: &crate::crease::Crease| reach(&surface, &crease.curve, reach_mm(crease.widest_mm, params));
+        let walk = |crease: &crate::crease::Crease| {
+            reach(&surface, &crease.curve, reach_mm(crease.widest_mm, params))
+        };
         let reaches: Vec<Vec<Beside>> = creases.all.par_iter().map(walk).collect();
         let mut zone: Vec<u32> = reaches.iter().flatten().map(|beside| beside.vertex).collect();
         zone.sort_unstable();
@@ -165,16 +172,20 @@ impl Synthesis {
         Ok(Wrinkling { positions, regions: reports })
     }
 
-    fn scene<'a>(&self, large: &'a [Point3<f64>], before: Option<&'a [Vector3<f64>]>, moment: &Moment) -> Scene<'a> {
+    fn scene<'a>(
+        &self,
+        large: &'a [Point3<f64>],
+        before: Option<&'a [Vector3<f64>]>,
+        moment: &Moment,
+    ) -> Scene<'a> {
         let moved = self.moved_creases(moment);
         let open: Vec<Open> = (0..self.creases.all.len())
             .filter_map(|at| {
-                let reach_mm = reach_mm(self.creases.all[at].widest_mm, &self.params);
                 let (curve, reach) = match &moved[at] {
                     Some((curve, reach)) => (curve, reach),
                     None => (&self.creases.all[at].curve, &self.reaches[at]),
                 };
-                Open::at(&self.creases, at, moment, curve, reach, reach_mm)
+                Open::at(&self.creases, at, moment, curve, reach)
             })
             .collect();
         let claims = claims(&self.surface, large, &open, &self.params);
@@ -268,7 +279,10 @@ impl Synthesis {
         }
         if claim.freedom < 1.0 {
             let firm = 1.0 / claim.freedom.max(1e-3) - 1.0;
-            springs.push(Spring { stiffness: ANCHOR_SHARE * stiffness * firm * (1.0 - claim.hold), target: *large });
+            springs.push(Spring {
+                stiffness: ANCHOR_SHARE * stiffness * firm * (1.0 - claim.hold),
+                target: *large,
+            });
         }
         springs
     }
@@ -284,9 +298,10 @@ impl Synthesis {
         };
         let springs = region.free.iter().map(spring).collect();
         let mut patch = Patch::new(&self.surface, region.free.clone(), springs);
-        if self.params.slack {
-            let large: Vec<Point3<f64>> = patch.vertices.iter().map(|&vertex| scene.large[vertex as usize]).collect();
-            patch.slacken(&large);
+        if self.params.resistance < 1.0 {
+            let large: Vec<Point3<f64>> =
+                patch.vertices.iter().map(|&vertex| scene.large[vertex as usize]).collect();
+            patch.slacken(&large, self.params.resistance);
         }
         let mut points: Vec<Point3<f64>> =
             patch.vertices.iter().map(|&vertex| scene.start[vertex as usize]).collect();
@@ -303,7 +318,8 @@ impl Synthesis {
             Solver::Paper => Rule::Paper,
         };
         let descent = minimise(&mut patch, &mut points, rule)?;
-        let normals: Vec<Vector3<f64>> = patch.vertices.iter().map(|&vertex| self.normal(scene.large, vertex)).collect();
+        let normals: Vec<Vector3<f64>> =
+            patch.vertices.iter().map(|&vertex| self.normal(scene.large, vertex)).collect();
         let [inverted_triangles, degenerate_triangles] = patch.damage(&points, &normals);
         points.truncate(region.free.len());
         let report = RegionReport {
@@ -348,10 +364,10 @@ impl Synthesis {
         };
         let springs = free.iter().map(spring).collect();
         let mut patch = Patch::new(&coarse.surface, free, springs);
-        if self.params.slack {
+        if self.params.resistance < 1.0 {
             let of = |&at: &u32| scene.large[coarse.vertices[at as usize] as usize];
             let large: Vec<Point3<f64>> = patch.vertices.iter().map(of).collect();
-            patch.slacken(&large);
+            patch.slacken(&large, self.params.resistance);
         }
         let start = |&at: &u32| scene.start[coarse.vertices[at as usize] as usize];
         let mut points: Vec<Point3<f64>> = patch.vertices.iter().map(start).collect();
@@ -376,18 +392,26 @@ impl Synthesis {
             let free = region.free.binary_search(&vertex).is_ok();
             if free { (before[vertex as usize] - moved[at]).norm() } else { 0.0 }
         };
-        self.params.warm_start && level.vertices.iter().enumerate().map(apart).all(|apart| apart < SAME_FOLD_MM)
+        self.params.warm_start
+            && level.vertices.iter().enumerate().map(apart).all(|apart| apart < SAME_FOLD_MM)
     }
 
     /// What is known of the creases.
     #[must_use]
     pub fn creases(&self) -> Vec<CreaseReport> {
-        self.creases.all.iter().zip(&self.reaches).map(|(crease, reach)| self.crease_report(crease, reach)).collect()
+        self.creases
+            .all
+            .iter()
+            .zip(&self.reaches)
+            .map(|(crease, reach)| self.crease_report(crease, reach))
+            .collect()
     }
 
     fn crease_report(&self, crease: &crate::crease::Crease, reach: &[Beside]) -> CreaseReport {
-        let inside = || reach.iter().filter(|beside| beside.foot.distance < crease.narrowest_mm.min(crease.widest_mm));
-        let mut areas: Vec<f64> = inside().map(|beside| self.surface.vertex_areas[beside.vertex as usize]).collect();
+        let inside =
+            || reach.iter().filter(|beside| beside.foot.distance < crease.narrowest_mm.min(crease.widest_mm));
+        let mut areas: Vec<f64> =
+            inside().map(|beside| self.surface.vertex_areas[beside.vertex as usize]).collect();
         areas.sort_by(f64::total_cmp);
         let area = areas.get(areas.len() / 2).copied().unwrap_or(0.0);
         CreaseReport {
@@ -398,14 +422,19 @@ impl Synthesis {
             edge_mm: (2.0 * area / 3f64.sqrt()).sqrt(),
             at_rest_mm: crate::at_rest::depth(&self.surface, &crease.curve, reach, crease.widest_mm),
             drift: crease.drift,
-            boundary_vertices: reach.iter().filter(|beside| self.surface.boundary[beside.vertex as usize]).count(),
+            boundary_vertices: reach
+                .iter()
+                .filter(|beside| self.surface.boundary[beside.vertex as usize])
+                .count(),
         }
     }
 }
 
 fn check_areas(surface: &Surface, zone: &[u32]) -> Result<(), Error> {
     for &vertex in zone {
-        if let Some(&triangle) = surface.around(vertex).iter().find(|&&at| surface.rest_areas[at as usize] <= 1e-12) {
+        if let Some(&triangle) =
+            surface.around(vertex).iter().find(|&&at| surface.rest_areas[at as usize] <= 1e-12)
+        {
             return Err(Error::Degenerate { triangle, vertex });
         }
     }

@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum)]
     solver: Option<SolverChoice>,
     /// How far a valley's vertices slide towards the crease, 0 (along the normal only) to 1 (walls as long as at rest)
-    /// [default: 0.7; preset paper: 0]
+    /// [default: 0.6; preset paper: 0]
     #[arg(long, value_name = "SHARE")]
     slide: Option<f64>,
     /// What becomes of creases that wander over the skin
@@ -47,15 +47,16 @@ pub(crate) struct Arguments {
     /// Stiffness of edges k_e, per mm [default: 300]
     #[arg(long, value_name = "K")]
     edge_stiffness: Option<f64>,
-    /// Stiffness of dihedral angles k_b [default: 8; preset paper: 2]
+    /// Stiffness of dihedral angles k_b [default: 20; preset paper: 2]
     #[arg(long, value_name = "K")]
     bending_stiffness: Option<f64>,
     /// Stiffness of areas k_a, per mm² [default: 30000]
     #[arg(long, value_name = "K")]
     area_stiffness: Option<f64>,
-    /// Let the shell work against the large-scale motion wherever it stretches or shortens the skin, as the paper does
-    #[arg(long)]
-    no_slack: bool,
+    /// Share of its stiffness with which the skin resists being stretched or shortened as the large-scale motion does
+    /// [default: 0.005; preset paper: 1]
+    #[arg(long, value_name = "SHARE")]
+    resistance: Option<f64>,
     /// How far a valley reaches, in its widths
     #[arg(long, value_name = "WIDTHS", default_value_t = Params::default().influence_widths)]
     influence_widths: f64,
@@ -133,7 +134,7 @@ impl Arguments {
                 TrackChoice::Steady => Track::Steady,
                 TrackChoice::AsFound => Track::AsFound,
             }),
-            slack: preset.slack && !self.no_slack,
+            resistance: self.resistance.unwrap_or(preset.resistance),
             influence_widths: self.influence_widths,
             influence_mm: self.influence,
             fade_depth_mm: self.fade_depth,

@@ -137,5 +137,8 @@ pub(crate) fn report_creases(run: &mut Run, creases: &[CreaseReport]) {
             ));
         }
     }
-    run.result("boundary_vertices", json!(creases.iter().map(|crease| crease.boundary_vertices).sum::<usize>()));
+    run.result(
+        "boundary_vertices",
+        json!(creases.iter().map(|crease| crease.boundary_vertices).sum::<usize>()),
+    );
 }

@@ -4,8 +4,8 @@ use super::Arguments;
 use super::findings::{Findings, report_creases};
 use anyhow::{Context, bail};
 use artifact::{
-    FrameRange, FrameReader, LargeScale, MeshRef, MeshSequence, SequenceForm, Unit, Valleys, ValleysFrame, ValleysHeader,
-    Wrinkled, pc2,
+    FrameRange, FrameReader, LargeScale, MeshRef, MeshSequence, SequenceForm, Unit, Valleys, ValleysFrame,
+    ValleysHeader, Wrinkled, pc2,
 };
 use mesh::Mesh;
 use nalgebra::{Point3, Vector3};
@@ -142,8 +142,10 @@ struct Output {
 impl Output {
     fn write(&mut self, positions: &[Point3<f64>]) -> artifact::Result<()> {
         let in_mm = self.unit.in_mm();
-        let coordinates: Vec<f32> =
-            positions.iter().flat_map(|point| [point.x, point.y, point.z].map(|x| (x / in_mm) as f32)).collect();
+        let coordinates: Vec<f32> = positions
+            .iter()
+            .flat_map(|point| [point.x, point.y, point.z].map(|x| (x / in_mm) as f32))
+            .collect();
         self.writer.write(&coordinates)
     }
 }
