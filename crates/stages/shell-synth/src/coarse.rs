@@ -64,7 +64,7 @@ fn places(coarse: &Surface, surface: &Surface, zone: &[u32]) -> Vec<Option<Place
     let find = |&vertex: &u32| {
         let point = surface.rest[vertex as usize];
         let query: [f64; 3] = point.into();
-        let nearest = tree.query(&query).nearest_one::<SquaredEuclidean<f64>>().execute().item as u32;
+        let nearest = tree.query(&query).nearest_one::<SquaredEuclidean<f64>>().execute().item;
         let mut near = coarse.around(nearest).to_vec();
         coarse.for_neighbors(nearest, |other| near.extend(coarse.around(other)));
         near.sort_unstable();

@@ -1,20 +1,15 @@
 //! The creases of a take: each a line on the skin, with its section over time.
 
 use crate::curve::{Curve, tangent};
-use crate::locator::{Locator, Place};
+use crate::line::Line;
+use crate::locator::Locator;
+use crate::moment::{Moment, monotone};
 use crate::profile::Profile;
 use crate::surface::Surface;
 use crate::{Error, Params, Track};
-use artifact::{ValleyPoint, ValleysFrame};
-use nalgebra::{Point3, Vector3};
+use artifact::ValleysFrame;
+use nalgebra::Vector3;
 use serde::Serialize;
-
-/// Spacing of the samples along a crease, mm.
-const SPACING_MM: f64 = 0.5;
-/// How far, mm, a crease may wander to be taken for the same.
-const FARTHEST_MM: f64 = 5.0;
-/// A valley that ends open ends on a slope of so many mm per mm.
-const END_SLOPE: f64 = 0.7;
 
 /// A crease over a take.
 pub(crate) struct Crease {
@@ -73,40 +68,10 @@ impl Creases {
         Ok(Self { all, frames: numbers, step })
     }
 
-    /// Between which of the known frames a frame lies, and how deep valleys still are that far from them.
+    /// Where a frame lies among the known ones.
     pub(crate) fn moment(&self, frame: i64, params: &Params) -> Option<Moment> {
-        let after = self.frames.partition_point(|&known| known <= frame);
-        let gap = i64::from(params.longest_gap);
-        // Depth falls linearly from the known frame on, over the longest gap.
-        let alone = |at: usize| {
-            let away = ((self.frames[at] - frame).abs() - self.step).max(0);
-            let held = 1.0 - away as f64 / gap.max(1) as f64;
-            (held > 0.0).then_some(Moment { before: at, after: at, share: 0.0, held })
-        };
-        match (after.checked_sub(1), after < self.frames.len()) {
-            (None, false) => None,
-            (None, true) => alone(0),
-            (Some(before), false) => alone(before),
-            (Some(before), true) => {
-                let span = self.frames[after] - self.frames[before];
-                let share = (frame - self.frames[before]) as f64 / span as f64;
-                match span <= gap {
-                    true => Some(Moment { before, after, share, held: 1.0 }),
-                    false if share < 0.5 => alone(before),
-                    false => alone(after),
-                }
-            }
-        }
+        Moment::of(&self.frames, self.step, frame, i64::from(params.longest_gap))
     }
-}
-
-/// A time between two frames in which valleys are known.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Moment {
-    before: usize,
-    after: usize,
-    share: f64,
-    held: f64,
 }
 
 fn check_triangles(surface: &Surface, frames: &[ValleysFrame]) -> Result<(), Error> {
@@ -120,91 +85,6 @@ fn check_triangles(surface: &Surface, frames: &[ValleysFrame]) -> Result<(), Err
         }
     }
     Ok(())
-}
-
-/// A crease as it was found in one frame, on the rest mesh.
-struct Line {
-    points: Vec<Point3<f64>>,
-    places: Vec<Place>,
-    /// Length from the start, mm.
-    along: Vec<f64>,
-    sections: Vec<Profile>,
-}
-
-impl Line {
-    fn new(surface: &Surface, points: &[ValleyPoint]) -> Self {
-        let places: Vec<Place> =
-            points.iter().map(|point| Place { triangle: point.face, shares: point.barycentric }).collect();
-        let section =
-            |p: &ValleyPoint| Profile { w_mm: p.w_mm, d_mm: p.d_mm, epsilon: p.epsilon, kappa: p.kappa };
-        let mut line = Self {
-            points: places.iter().map(|place| place.on(&surface.rest, &surface.triangles)).collect(),
-            places,
-            along: Vec::new(),
-            sections: points.iter().map(section).collect(),
-        };
-        let mut length = 0.0;
-        for k in 0..line.points.len() {
-            length += if k == 0 { 0.0 } else { (line.points[k] - line.points[k - 1]).norm() };
-            line.along.push(length);
-        }
-        for (section, at) in line.sections.iter_mut().zip(&line.along) {
-            section.d_mm = section.d_mm.min(END_SLOPE * at.min(length - at));
-        }
-        line
-    }
-
-    fn length(&self) -> f64 {
-        self.along.last().copied().unwrap_or(0.0)
-    }
-
-    fn deepest(&self) -> f64 {
-        self.sections.iter().map(|section| section.d_mm).fold(0.0, f64::max)
-    }
-
-    /// Where it crosses the plane across another curve at one of its samples: the distance along `across`, and the section.
-    fn crossing(
-        &self,
-        at: &Point3<f64>,
-        along: &Vector3<f64>,
-        across: &Vector3<f64>,
-    ) -> Option<(f64, Profile)> {
-        let before = |point: &Point3<f64>| (point - at).dot(along);
-        let mut best: Option<(f64, f64, Profile)> = None;
-        for k in 1..self.points.len() {
-            let (a, b) = (before(&self.points[k - 1]), before(&self.points[k]));
-            if (a > 0.0) == (b > 0.0) && a != 0.0 {
-                continue;
-            }
-            let share = if a == b { 0.0 } else { a / (a - b) };
-            let from = self.points[k - 1] + (self.points[k] - self.points[k - 1]) * share - at;
-            let distance = from.norm();
-            if distance <= FARTHEST_MM && best.is_none_or(|best| distance < best.0) {
-                best = Some((
-                    distance,
-                    from.dot(across),
-                    self.sections[k - 1].between(&self.sections[k], share),
-                ));
-            }
-        }
-        best.map(|(_, offset, section)| (offset, section))
-    }
-
-    /// Places at equal distances along it.
-    fn resampled(&self) -> Vec<Place> {
-        let count = (self.length() / SPACING_MM).ceil().max(1.0) as usize;
-        let place = |k: usize| {
-            let at = self.length() * k as f64 / count as f64;
-            let next = self.along.partition_point(|&along| along < at).clamp(1, self.along.len() - 1);
-            let share = (at - self.along[next - 1])
-                / (self.along[next] - self.along[next - 1]).max(f64::MIN_POSITIVE);
-            (next, share)
-        };
-        (0..=count)
-            .map(place)
-            .map(|(next, share)| self.places[if share < 0.5 { next - 1 } else { next }])
-            .collect()
-    }
 }
 
 impl Crease {
@@ -364,32 +244,4 @@ fn shifted(
         if offsets[k].abs() < 1e-6 { curve.places[k] } else { moved().unwrap_or(curve.places[k]) }
     };
     Curve::new(surface, normals, (0..curve.places.len()).map(place).collect())
-}
-
-/// The value at a share of the way between the second and the third of four equally spaced values, by a cubic that rises and
-/// falls only where they do [FritschButland1984].
-fn monotone([a, b, c, d]: [f64; 4], share: f64) -> f64 {
-    let slope =
-        |left: f64, right: f64| if left * right <= 0.0 { 0.0 } else { 2.0 * left * right / (left + right) };
-    let (at_b, at_c) = (slope(b - a, c - b), slope(c - b, d - c));
-    let (s, s2, s3) = (share, share * share, share * share * share);
-    (2.0 * s3 - 3.0 * s2 + 1.0) * b
-        + (s3 - 2.0 * s2 + s) * at_b
-        + (3.0 * s2 - 2.0 * s3) * c
-        + (s3 - s2) * at_c
-}
-
-#[cfg(test)]
-mod tests {
-    use super::monotone;
-
-    #[test]
-    fn a_depth_that_comes_from_nothing_never_falls_below_it() {
-        for i in 0..=10 {
-            let share = f64::from(i) / 10.0;
-            let value = monotone([0.0, 0.0, 1.0, 1.2], share);
-            assert!((0.0..=1.0).contains(&value), "{value} at {share}");
-            assert!((monotone([1.0, 2.0, 3.0, 4.0], share) - (2.0 + share)).abs() < 1e-12);
-        }
-    }
 }

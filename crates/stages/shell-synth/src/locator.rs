@@ -39,8 +39,7 @@ impl<'a> Locator<'a> {
     /// The nearest place on the triangles around the nearest vertex and its neighbours.
     pub(crate) fn nearest(&self, point: &Point3<f64>) -> Option<Place> {
         let query: [f64; 3] = (*point).into();
-        let vertex =
-            self.tree.as_ref()?.query(&query).nearest_one::<SquaredEuclidean<f64>>().execute().item as u32;
+        let vertex = self.tree.as_ref()?.query(&query).nearest_one::<SquaredEuclidean<f64>>().execute().item;
         let mut near: Vec<u32> = self.surface.around(vertex).to_vec();
         self.surface.for_neighbors(vertex, |other| near.extend(self.surface.around(other)));
         near.sort_unstable();

@@ -86,13 +86,16 @@ impl Default for Params {
 }
 
 impl Params {
-    /// The paper's: its solver, its stiffness against bending, vertices that move along normals only.
+    /// The paper's: its solver, its stiffness against bending, the full price for every strain, vertices that move along normals only, creases
+    /// as they were found.
     #[must_use]
     pub fn paper() -> Self {
         Self {
             bending_stiffness: 2.0,
             solver: Solver::Paper,
             slide: 0.0,
+            track: Track::AsFound,
+            rim_share: 0.0,
             resistance: 1.0,
             warm_start: false,
             ..Self::default()

@@ -1,9 +1,10 @@
 //! A part of the shell whose vertices are free, with everything else standing still: energy, gradient, Hessian.
 
-use crate::energy::{self, Curvature, Term};
+use crate::energy::{self, Curvature};
 use crate::slack::Slack;
+use crate::sum::Sum;
 use crate::surface::{NONE, Surface};
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use operators::{CsMat, Ordering};
 
 /// What pulls a free vertex to a place: `stiffness · ‖x − target‖²`.
@@ -269,50 +270,4 @@ fn blank_matrix(starts: &[usize], rows: &[u32]) -> CsMat<f64> {
     }
     let values = vec![0.0; indices.len()];
     CsMat::new_csc((3 * count, 3 * count), column_starts, indices, values)
-}
-
-/// Terms added up into a gradient and a matrix.
-struct Sum<'a> {
-    free_count: u32,
-    starts: &'a [usize],
-    rows: &'a [u32],
-    values: &'a mut [f64],
-    energy: f64,
-    gradient: Vec<f64>,
-}
-
-impl Sum<'_> {
-    fn add<const N: usize>(&mut self, vertices: &[u32; N], term: &Term<N>) {
-        self.energy += term.energy;
-        for (j, &column) in vertices.iter().enumerate() {
-            if column >= self.free_count {
-                continue;
-            }
-            (0..3).for_each(|c| self.gradient[3 * column as usize + c] += term.gradient[j][c]);
-            for (i, &row) in vertices.iter().enumerate() {
-                if row < self.free_count {
-                    self.add_block(row, column, &term.hessian[i][j]);
-                }
-            }
-        }
-    }
-
-    fn add_block(&mut self, row: u32, column: u32, block: &Matrix3<f64>) {
-        let range = self.starts[column as usize]..self.starts[column as usize + 1];
-        let height = 3 * range.len();
-        let blocks = &self.rows[range.clone()];
-        let place = blocks.iter().position(|&other| other == row).unwrap_or(0);
-        let first = 9 * range.start + 3 * place;
-        for c in 0..3 {
-            let into = &mut self.values[first + c * height..first + c * height + 3];
-            (0..3).for_each(|r| into[r] += block[(r, c)]);
-        }
-    }
-
-    fn add_spring(&mut self, vertex: u32, at: Point3<f64>, spring: &Spring) {
-        let pull = at - spring.target;
-        self.energy += spring.stiffness * pull.norm_squared();
-        (0..3).for_each(|c| self.gradient[3 * vertex as usize + c] += 2.0 * spring.stiffness * pull[c]);
-        self.add_block(vertex, vertex, &(Matrix3::identity() * (2.0 * spring.stiffness)));
-    }
 }

@@ -1,8 +1,9 @@
 //! What the valleys of a frame ask of the vertices: where they hold them, and which they let go.
 
 use crate::Params;
-use crate::crease::{Creases, Moment};
+use crate::crease::Creases;
 use crate::curve::{Curve, nearest_from};
+use crate::moment::Moment;
 use crate::profile::{Profile, smooth_step};
 use crate::reach::Beside;
 use crate::surface::{NONE, Surface};

@@ -89,6 +89,18 @@ impl Surface {
         }
     }
 
+    /// Refuses triangles without area around some vertices: their energy has no rest.
+    pub(crate) fn check_areas(&self, vertices: &[u32]) -> Result<(), Error> {
+        for &vertex in vertices {
+            if let Some(&triangle) =
+                self.around(vertex).iter().find(|&&at| self.rest_areas[at as usize] <= 1e-12)
+            {
+                return Err(Error::Degenerate { triangle, vertex });
+            }
+        }
+        Ok(())
+    }
+
     fn join_edges(&mut self, params: &Params) -> Result<(), Error> {
         let count = self.triangles.len() as u32 * 3;
         let mut sides: Vec<(u64, u32)> = (0..count).map(|side| (self.key(side), side)).collect();

@@ -1,12 +1,15 @@
 //! A frame: valleys stamped in, bulges raised by the shell, everything else left as it is.
 
 use crate::coarse::Coarse;
-use crate::crease::{Creases, Drift, Moment};
+use crate::crease::{Crease, Creases};
 use crate::curve::Curve;
 use crate::descent::{Descent, Rule, minimise};
 use crate::locator::Locator;
+use crate::moment::Moment;
 use crate::patch::{Patch, Spring};
 use crate::reach::{Beside, reach};
+use crate::region::{FIXED, Region, regions};
+use crate::report::{CreaseReport, RegionReport, crease_report};
 use crate::stamp::{Claim, Open, claims, reach_mm};
 use crate::surface::{NONE, Surface};
 use crate::{Error, Params, Solver};
@@ -14,13 +17,7 @@ use artifact::ValleysFrame;
 use mesh::Mesh;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
-use serde::Serialize;
-use std::collections::BTreeSet;
 
-/// From this hold on a vertex is fixed.
-const FIXED: f64 = 0.999;
-/// Below this freedom a vertex keeps its place.
-const LEAST_FREEDOM: f64 = 0.02;
 /// Stiffness of springs per mm² of skin, as a share of the stiffness of areas: of a valley's loosened rim …
 const HOLD_SHARE: f64 = 1.0 / 150.0;
 /// … and of the edge of its reach.
@@ -49,48 +46,11 @@ pub struct Wrinkling {
     pub regions: Vec<RegionReport>,
 }
 
-/// What happened in a region.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RegionReport {
-    /// Ids of the wrinkles that reach it.
-    pub wrinkles: Vec<String>,
-    /// Free vertices.
-    pub free_vertices: usize,
-    /// Whether it started from the frame before.
-    pub warm: bool,
-    /// On the coarse level, where there is one.
-    pub coarse: Option<Descent>,
-    /// On the mesh.
-    pub descent: Descent,
-    /// Triangles that turned over.
-    pub inverted_triangles: usize,
-    /// Triangles that lost 95 % of their area.
-    pub degenerate_triangles: usize,
-}
-
-/// What is known of a crease before any frame is made.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CreaseReport {
-    /// Wrinkle id.
-    pub wrinkle: String,
-    /// Greatest depth, mm.
-    pub deepest_mm: f64,
-    /// Least width, mm, where it is open.
-    pub narrowest_mm: f64,
-    /// Median edge length of the mesh in the valley, mm.
-    pub edge_mm: f64,
-    /// Depth of a valley that the scan has there at rest, mm.
-    pub at_rest_mm: f64,
-    /// How far it wanders over the skin.
-    pub drift: Drift,
-    /// Vertices of the mesh's boundary that it reaches; they are held.
-    pub boundary_vertices: usize,
-}
-
-/// A part of the mesh that is solved for by itself.
-struct Region {
-    free: Vec<u32>,
-    wrinkles: BTreeSet<u32>,
+/// A region on the coarse level: displacements of all coarse vertices, and how the descent went.
+struct Guide<'a> {
+    level: &'a Coarse,
+    moved: Vec<Vector3<f64>>,
+    descent: Descent,
 }
 
 /// What holds while a frame is made.
@@ -122,14 +82,12 @@ impl Synthesis {
         let surface = Surface::new(mesh.positions.clone(), mesh.triangles(), params)?;
         let normals = mesh::vertex_normals(&surface.rest, &surface.triangles);
         let creases = Creases::new(&surface, &normals, wrinkles, valleys, params)?;
-        let walk = |crease: &crate::crease::Crease| {
-            reach(&surface, &crease.curve, reach_mm(crease.widest_mm, params))
-        };
+        let walk = |crease: &Crease| reach(&surface, &crease.curve, reach_mm(crease.widest_mm, params));
         let reaches: Vec<Vec<Beside>> = creases.all.par_iter().map(walk).collect();
         let mut zone: Vec<u32> = reaches.iter().flatten().map(|beside| beside.vertex).collect();
         zone.sort_unstable();
         zone.dedup();
-        check_areas(&surface, &zone)?;
+        surface.check_areas(&zone)?;
         let coarse = match params.solver {
             Solver::CoarseToFine => Coarse::of(&surface, &zone, params)?,
             Solver::Paper => None,
@@ -160,7 +118,7 @@ impl Synthesis {
             return Ok(Wrinkling { positions: large.to_vec(), regions: Vec::new() });
         };
         let scene = self.scene(large, before, &moment);
-        let regions = self.regions(&scene);
+        let regions = regions(&self.surface, &scene.claims, &scene.claim_of);
         let solved: Vec<(Vec<Point3<f64>>, RegionReport)> =
             regions.par_iter().map(|region| self.solve(&scene, region)).collect::<Result<_, Error>>()?;
         let mut positions = scene.start;
@@ -206,67 +164,12 @@ impl Synthesis {
             return self.creases.all.iter().map(|_| None).collect();
         }
         let locator = Locator::new(&self.surface);
-        let moved = |crease: &crate::crease::Crease| {
+        let moved = |crease: &Crease| {
             let curve = crease.curve_at(&self.surface, &self.normals, &locator, moment)?;
             let reach = reach(&self.surface, &curve, reach_mm(crease.widest_mm, &self.params));
             Some((curve, reach))
         };
         self.creases.all.par_iter().map(moved).collect()
-    }
-
-    fn is_free(&self, claim: &Claim) -> bool {
-        claim.hold < FIXED
-            && (claim.freedom >= LEAST_FREEDOM || claim.hold > 0.0)
-            && !self.surface.boundary[claim.vertex as usize]
-    }
-
-    /// Free vertices that hang together by hinges, each group by itself.
-    fn regions(&self, scene: &Scene) -> Vec<Region> {
-        let mut group: Vec<u32> = scene
-            .claims
-            .iter()
-            .enumerate()
-            .map(|(at, claim)| if self.is_free(claim) { at as u32 } else { NONE })
-            .collect();
-        let root = |group: &mut Vec<u32>, mut at: u32| {
-            while group[at as usize] != at {
-                group[at as usize] = group[group[at as usize] as usize];
-                at = group[at as usize];
-            }
-            at
-        };
-        for at in 0..group.len() {
-            if group[at] == NONE {
-                continue;
-            }
-            for &triangle in self.surface.around(scene.claims[at].vertex) {
-                for side in self.surface.sides[triangle as usize] {
-                    for vertex in self.surface.hinges[side as usize].vertices {
-                        let other = if vertex == NONE { NONE } else { scene.claim_of[vertex as usize] };
-                        if other != NONE && group[other as usize] != NONE {
-                            let (a, b) = (root(&mut group, at as u32), root(&mut group, other));
-                            group[a.max(b) as usize] = a.min(b);
-                        }
-                    }
-                }
-            }
-        }
-        let mut number = vec![NONE; group.len()];
-        let mut regions: Vec<Region> = Vec::new();
-        for at in 0..group.len() {
-            if group[at] == NONE {
-                continue;
-            }
-            let first = root(&mut group, at as u32) as usize;
-            if number[first] == NONE {
-                number[first] = regions.len() as u32;
-                regions.push(Region { free: Vec::new(), wrinkles: BTreeSet::new() });
-            }
-            let region = &mut regions[number[first] as usize];
-            region.free.push(scene.claims[at].vertex);
-            region.wrinkles.insert(scene.claims[at].crease);
-        }
-        regions
     }
 
     /// What pulls a free vertex, per mm² of its skin.
@@ -309,7 +212,7 @@ impl Synthesis {
         for (at, &vertex) in region.free.iter().enumerate() {
             match (&coarse, scene.before) {
                 (_, Some(before)) if warm => points[at] += before[vertex as usize],
-                (Some((level, moved, _)), _) => points[at] += level.prolong(vertex, moved),
+                (Some(guide), _) => points[at] += guide.level.prolong(vertex, &guide.moved),
                 _ => {}
             }
         }
@@ -323,10 +226,10 @@ impl Synthesis {
         let [inverted_triangles, degenerate_triangles] = patch.damage(&points, &normals);
         points.truncate(region.free.len());
         let report = RegionReport {
-            wrinkles: region.wrinkles.iter().map(|&at| self.creases.all[at as usize].id.clone()).collect(),
+            wrinkles: region.creases.iter().map(|&at| self.creases.all[at as usize].id.clone()).collect(),
             free_vertices: region.free.len(),
             warm,
-            coarse: coarse.map(|coarse| coarse.2),
+            coarse: coarse.map(|guide| guide.descent),
             descent,
             inverted_triangles,
             degenerate_triangles,
@@ -342,13 +245,13 @@ impl Synthesis {
         self.surface.around(vertex).iter().map(of).sum()
     }
 
-    /// The coarse level of a region: its displacements, of all coarse vertices, and how the descent went.
+    /// The coarse level of a region, if it has free vertices there.
     fn solve_coarse<'a>(
         &self,
         coarse: &'a Coarse,
         scene: &Scene,
         region: &Region,
-    ) -> Result<Option<(&'a Coarse, Vec<Vector3<f64>>, Descent)>, Error> {
+    ) -> Result<Option<Guide<'a>>, Error> {
         let inside = |&at: &u32| region.free.binary_search(&coarse.vertices[at as usize]).is_ok();
         let free: Vec<u32> = (0..coarse.vertices.len() as u32)
             .filter(inside)
@@ -377,17 +280,12 @@ impl Synthesis {
         for (&at, point) in patch.vertices.iter().zip(&points) {
             moved[at as usize] = point - scene.large[coarse.vertices[at as usize] as usize];
         }
-        Ok(Some((coarse, moved, descent)))
+        Ok(Some(Guide { level: coarse, moved, descent }))
     }
 
     /// Whether the frame before shows the fold that the coarse level found.
-    fn is_same_fold(
-        &self,
-        scene: &Scene,
-        region: &Region,
-        coarse: Option<&(&Coarse, Vec<Vector3<f64>>, Descent)>,
-    ) -> bool {
-        let (Some(before), Some((level, moved, _))) = (scene.before, coarse) else { return false };
+    fn is_same_fold(&self, scene: &Scene, region: &Region, coarse: Option<&Guide>) -> bool {
+        let (Some(before), Some(Guide { level, moved, .. })) = (scene.before, coarse) else { return false };
         let apart = |(at, &vertex): (usize, &u32)| {
             let free = region.free.binary_search(&vertex).is_ok();
             if free { (before[vertex as usize] - moved[at]).norm() } else { 0.0 }
@@ -403,40 +301,7 @@ impl Synthesis {
             .all
             .iter()
             .zip(&self.reaches)
-            .map(|(crease, reach)| self.crease_report(crease, reach))
+            .map(|(crease, reach)| crease_report(&self.surface, crease, reach))
             .collect()
     }
-
-    fn crease_report(&self, crease: &crate::crease::Crease, reach: &[Beside]) -> CreaseReport {
-        let inside =
-            || reach.iter().filter(|beside| beside.foot.distance < crease.narrowest_mm.min(crease.widest_mm));
-        let mut areas: Vec<f64> =
-            inside().map(|beside| self.surface.vertex_areas[beside.vertex as usize]).collect();
-        areas.sort_by(f64::total_cmp);
-        let area = areas.get(areas.len() / 2).copied().unwrap_or(0.0);
-        CreaseReport {
-            wrinkle: crease.id.clone(),
-            deepest_mm: crease.deepest_mm,
-            narrowest_mm: crease.narrowest_mm,
-            // A vertex has two equilateral triangles of this side.
-            edge_mm: (2.0 * area / 3f64.sqrt()).sqrt(),
-            at_rest_mm: crate::at_rest::depth(&self.surface, &crease.curve, reach, crease.widest_mm),
-            drift: crease.drift,
-            boundary_vertices: reach
-                .iter()
-                .filter(|beside| self.surface.boundary[beside.vertex as usize])
-                .count(),
-        }
-    }
-}
-
-fn check_areas(surface: &Surface, zone: &[u32]) -> Result<(), Error> {
-    for &vertex in zone {
-        if let Some(&triangle) =
-            surface.around(vertex).iter().find(|&&at| surface.rest_areas[at as usize] <= 1e-12)
-        {
-            return Err(Error::Degenerate { triangle, vertex });
-        }
-    }
-    Ok(())
 }

@@ -1,4 +1,5 @@
 //! Laws that the stage keeps.
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 mod support;
 
