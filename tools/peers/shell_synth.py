@@ -3,7 +3,6 @@ motion, so that nothing but the synthesis is measured; and one linear solve agai
 
 import csv
 import json
-import subprocess
 
 import numpy as np
 
@@ -78,16 +77,9 @@ def synthesise(ctx, folder, name, *options, large=None, valleys=None):
 
 def compare(ctx, folder, out, *options):
     truth = folder / "truth"
-    lines = subprocess.run([str(ctx.binary("virtual-rig")), "score", "wrinkled", str(out), "--truth", str(truth), "--against",
-                            str(truth / "large-scale.json"), "--json", "--quiet", *map(str, options)], capture_output=True, text=True)
-    found = {}
-    for line in lines.stdout.splitlines():
-        row = json.loads(line)
-        if "metric" in row:
-            found[row["metric"].split("/")[-1]] = row
-    if not found:
-        raise ctx.Failed(lines.stderr[-400:])
-    return found
+    summary = ctx.run([ctx.binary("virtual-rig"), "score", "wrinkled", out, "--truth", truth, "--against", truth / "large-scale.json",
+                       *options])
+    return {row["metric"].split("/")[1]: row for row in summary["results"]["metrics"]}
 
 
 def pooled(rows, name):
