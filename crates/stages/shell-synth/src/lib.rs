@@ -16,14 +16,14 @@
 //! use artifact::{ValleyPoint, ValleysFrame};
 //! use mesh::Mesh;
 //! use shell_synth::{Params, Synthesis};
-//! // A plate of 20 × 16 mm with a valley across it, 2 mm wide to either side and 0.8 mm deep in frame 1.
+//! // A plate of 20 × 16 mm with a valley along it, 1 mm wide to either side and 0.4 mm deep in frame 1.
 //! let points: Vec<[f64; 3]> = (0..41 * 33).map(|i| [f64::from(i % 41) * 0.5, f64::from(i / 41) * 0.5, 0.0]).collect();
 //! let cell = |i: u32| [[i, i + 1, i + 42], [i, i + 42, i + 41]];
 //! let triangles: Vec<[u32; 3]> = (0..41 * 32).filter(|i| i % 41 < 40).flat_map(cell).collect();
 //! let plate = Mesh::from_triangles(points, &triangles);
 //! let point = |k: u32| ValleyPoint {
 //!     x_mm: f64::from(k) * 0.5, face: 2 * (16 * 40 + k + 10), barycentric: [1.0, 0.0, 0.0], at_mm: [0.0; 3],
-//!     normal: [0.0, 0.0, 1.0], across: [0.0, -1.0, 0.0], w_mm: 2.0, d_mm: 0.8, epsilon: 0.0, kappa: 0.0,
+//!     normal: [0.0, 0.0, 1.0], across: [0.0, -1.0, 0.0], w_mm: 1.0, d_mm: 0.4, epsilon: 0.0, kappa: 0.0,
 //! };
 //! let valleys = ValleysFrame { frame: 1, valleys: [("fold".to_string(), (0..21).map(point).collect())].into() };
 //! let synthesis = Synthesis::new(&plate, &["fold".to_string()], &[valleys], &Params::default())?;
@@ -31,7 +31,7 @@
 //! let pushed: Vec<_> = plate.positions.iter().map(|p| nalgebra::Point3::new(p.x, 0.96 * p.y, 0.0)).collect();
 //! let folded = synthesis.frame(1, &pushed, None)?;
 //! let height = |i: usize, j: usize| folded.positions[41 * j + i].z;
-//! assert!((height(20, 16) + 0.8).abs() < 0.01 && height(20, 22) > 0.01 && height(20, 2) == 0.0);
+//! assert!((height(20, 16) + 0.4).abs() < 0.01 && height(20, 20) > 0.0 && height(20, 2) == 0.0);
 //! # Ok::<(), shell_synth::Error>(())
 //! ```
 
