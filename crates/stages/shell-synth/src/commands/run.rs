@@ -59,6 +59,8 @@ struct Sequence {
     sha256: [String; 2],
     /// Frames to make.
     wanted: Vec<i64>,
+    /// Whether frames start from the one before.
+    chained: bool,
 }
 
 impl Sequence {
@@ -79,14 +81,14 @@ impl Sequence {
                 last.copied().unwrap_or(0)
             );
         }
-        Ok(Self { index, samples, sha256, wanted })
+        Ok(Self { index, samples, sha256, wanted, chained: arguments.params().warm_start })
     }
 
     /// The frame that must be made first so that one of the wanted frames comes out as in the whole take.
     fn warm_up(&self, frame: i64) -> i64 {
         let frames = &self.index.frames;
         let mut at = frames.partition_point(|&other| other < frame);
-        while at > 0 && !starts_anew(frames[at]) && frames[at - 1] == frames[at] - 1 {
+        while self.chained && at > 0 && !starts_anew(frames[at]) && frames[at - 1] == frames[at] - 1 {
             at -= 1;
         }
         frames[at]
