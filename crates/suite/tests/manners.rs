@@ -197,6 +197,7 @@ const CALLS: &[(&str, &[&str])] = &[
         "scan-refine",
         &["--mesh", MESH, "--unit", "mm", "--object-map", "missing-input.png", "--out", "out.obj"],
     ),
+    ("shell-synth", &["--mesh", MESH, "--large-scale", DOCUMENT, "--valleys", STREAM, "--out", "out.json"]),
     // `house new-stage` adds here
 ];
 

@@ -44,13 +44,24 @@ impl Factor {
             return Err(FactorError::NothingFree);
         }
         let symbolic = Symbolic::new(matrix, order);
-        let mut values = zeros(symbolic.value_starts[symbolic.front_count()])
+        let values = zeros(symbolic.value_starts[symbolic.front_count()])
             .ok_or(FactorError::OutOfMemory { unknown_count: order.len() })?;
-        let elimination = Elimination { symbolic: &symbolic, matrix: Permuted::new(matrix, &symbolic.order) };
+        let mut factor = Self { symbolic, values };
+        factor.renew(matrix)?;
+        Ok(factor)
+    }
+
+    /// Factors another matrix of the same pattern: the analysis and the memory are used again. After an error the factor solves
+    /// nothing, but can be renewed again.
+    ///
+    /// # Errors
+    /// [`FactorError::NotPositive`].
+    pub fn renew(&mut self, matrix: &CsMat<f64>) -> Result<(), FactorError> {
+        let Self { symbolic, values } = self;
+        let elimination = Elimination { symbolic, matrix: Permuted::new(matrix, &symbolic.order) };
         elimination
-            .ascend(&mut values)
-            .map_err(|column| FactorError::NotPositive { vertex: symbolic.order[column] })?;
-        Ok(Self { symbolic, values })
+            .ascend(values)
+            .map_err(|column| FactorError::NotPositive { vertex: symbolic.order[column] })
     }
 
     /// The unknowns' vertices, in the order in which [`Factor::solve_in_place`] takes them.

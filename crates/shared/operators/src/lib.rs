@@ -6,6 +6,7 @@
 //!
 //! - [`cotan_stiffness`], [`lumped_mass`], [`bilaplacian`]: assembly.
 //! - [`Variation`]: the third-order energy, as a matrix and factor by factor.
+//! - [`Proxy`]: a coarser mesh over some of a mesh's own vertices.
 //! - [`Ordering`]: an elimination order with little fill, by nested dissection.
 //! - [`Factor`]: sparse Cholesky factorisation by the multifrontal method, substitution, and refinement of what it gives.
 //! - [`Dirichlet`]: a system whose values are prescribed at some vertices; factor once, solve often.
@@ -45,6 +46,7 @@ mod fronts;
 mod matching;
 mod ordering;
 mod prefetch;
+mod proxy;
 mod rbf_inverse;
 mod rbf_kernel;
 mod rbf_map;
@@ -60,6 +62,7 @@ pub use assembly::{Slivers, bilaplacian, cotan_stiffness, lumped_mass, weighted_
 pub use dirichlet::{Dirichlet, Responses};
 pub use factor::{Factor, FactorError};
 pub use ordering::{NotAPermutation, Ordering};
+pub use proxy::{Keep, Proxy};
 pub use rbf_inverse::{Inverse, InvertParams, Preimage};
 pub use rbf_map::{RbfMap, RbfSum};
 pub use sprs::CsMat;

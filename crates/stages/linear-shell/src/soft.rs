@@ -1,11 +1,10 @@
 //! The shell with soft openings: third order, solved on a proxy, prolonged to the scan.
 
 use crate::prolongation::Prolongation;
-use crate::proxy::Keep;
 use crate::{Basis, Completion, Constraints, Error, Proxy, Surface};
 use mesh::distance_to_loops;
 use nalgebra::{Point3, Vector3};
-use operators::{Factor, Ordering, Variation};
+use operators::{Factor, Keep, Ordering, Variation};
 use rayon::prelude::*;
 
 /// Columns that are solved together; a fixed number, so that results do not depend on the threads.

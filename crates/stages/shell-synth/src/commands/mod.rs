@@ -1,0 +1,8 @@
+//! The binary's parts: arguments, what the frames showed, and the run that ties them together.
+
+mod arguments;
+mod findings;
+mod run;
+
+pub(crate) use arguments::Arguments;
+pub(crate) use run::run;
