@@ -6,7 +6,7 @@ use camera::{Camera, Lens};
 use nalgebra::{Point3, Vector2, Vector3};
 use testkit::shapes;
 use virtual_rig::film::{Film, Gloss, Scene, expose};
-use virtual_rig::paint::{BLUE, GREEN, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates};
+use virtual_rig::paint::{BLUE, GREEN, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates, Texture};
 
 /// A stroke along x in the middle of a grid of 40 mm, and a dot on it.
 fn stroke_and_dot(grid: &Thing, missing: Vec<[f64; 2]>) -> Layers {
@@ -18,6 +18,7 @@ fn stroke_and_dot(grid: &Thing, missing: Vec<[f64; 2]>) -> Layers {
         range: [5.0, 35.0],
         missing,
         smear_mm: 0.0,
+        texture: Texture::default(),
     };
     let vertices: Vec<u32> = (0..grid.open.len() as u32).collect();
     let coordinates = grid.open.iter().map(|point| [point.x, point.y - 20.0]).collect();
