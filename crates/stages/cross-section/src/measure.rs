@@ -3,7 +3,8 @@
 use crate::Picture;
 use crate::albedo::combined_albedo;
 use crate::curve::Curve;
-use crate::fit::Fit;
+use crate::fit::{Fit, station_count};
+use crate::ground::{Ground, Surface};
 use crate::paint::{Band, band};
 use crate::paper;
 use crate::params::{Model, Params};
@@ -20,6 +21,11 @@ const NARROW_PX: f64 = 6.5;
 /// A section needs paint within so many px along the curve.
 const GAP_PX: f64 = 5.0;
 
+/// How the skin lies is asked so far beyond the paint, px …
+const BESIDE_PX: f64 = 4.0;
+/// … and no less and no farther from the curve than this.
+const GROUND_PX: [f64; 2] = [10.0, 32.0];
+
 /// A wrinkle's paint in an image.
 #[derive(Debug, Clone)]
 pub struct Painted {
@@ -27,6 +33,19 @@ pub struct Painted {
     pub curve: Curve,
     /// The painted pixels beside it.
     pub band: Band,
+    /// How the skin around it is seen, at even places from its start to its end; empty where that is not known.
+    pub ground: Vec<Option<Ground>>,
+}
+
+impl Painted {
+    /// The same, with how the skin around it is seen.
+    #[must_use]
+    pub fn over(mut self, surface: &Surface<'_>) -> Self {
+        let widest = self.band.pixels.iter().map(|pixel| pixel.p.abs()).fold(0.0, f64::max);
+        let reach = (widest + BESIDE_PX).clamp(GROUND_PX[0], GROUND_PX[1]);
+        self.ground = surface.along(&self.curve, station_count(self.curve.len()), reach);
+        self
+    }
 }
 
 /// A measured wrinkle.
@@ -47,7 +66,7 @@ pub fn painted(picture: &Picture, light: &[f64; 256], curve: &Curve2d, params: &
     let widest = curve.paint.iter().map(|width| width.left_px.max(width.right_px)).reduce(f64::max);
     let reach = widest.map_or(params.reach_px, |widest| (widest + 3.0).min(params.reach_px));
     let band = band(picture, light, &path, reach)?;
-    Some(Painted { curve: path, band })
+    Some(Painted { curve: path, band, ground: Vec::new() })
 }
 
 /// The sections of a wrinkle. Those without paint are failed; all of them where there is too little.
@@ -55,13 +74,13 @@ pub fn painted(picture: &Picture, light: &[f64; 256], curve: &Curve2d, params: &
 /// `albedo`: the share of the light that the paint's brightest channel throws back, see [`estimate_albedo`](crate::estimate_albedo).
 #[must_use]
 pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Measured {
-    let Painted { curve, band } = painted;
+    let Painted { curve, band, ground } = painted;
     let places = places(curve, params);
     let paint = Coverage::of(band, curve.len());
     if params.model == Model::Paper {
         return measure_sharp(painted, params, &places, &paint);
     }
-    let Some(fit) = Fit::of(band, curve.len(), params, combined_albedo(band, albedo)) else {
+    let Some(fit) = Fit::of(band, curve.len(), ground, params, combined_albedo(band, albedo)) else {
         let sections = places.iter().map(|&x| failed_section(curve, x)).collect();
         return Measured { sections, model: vec![1.0; band.pixels.len()], gain: 0.0 };
     };
@@ -101,7 +120,7 @@ fn failed_section(curve: &Curve, x: f64) -> Section {
 
 /// The paper's fit has no gate: all that has paint is measured.
 fn measure_sharp(painted: &Painted, params: &Params, places: &[f64], paint: &Coverage) -> Measured {
-    let Painted { curve, band } = painted;
+    let Painted { curve, band, .. } = painted;
     let fits = paper::fit(band, curve, places, params);
     let sections = places.iter().zip(&fits).map(|(&x, fit)| {
         let failed = failed_section(curve, x);
@@ -173,7 +192,7 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
         d_px: valley(d),
         epsilon: valley(fit.constants[ROUND]),
         kappa: valley(fit.constants[LOPSIDED]),
-        tilt_rad: params.tilt_deg.map(f64::to_radians),
+        tilt_rad: fit.tilt(x).or(params.tilt_deg.map(f64::to_radians)),
         deviation: Some(deviation).filter(|spread| spread.w_px.is_finite() && spread.d_px.is_finite()),
         residual: Some(fit.misfits[station] / light),
         state,
