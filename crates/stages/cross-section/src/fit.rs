@@ -8,7 +8,7 @@ use crate::problem::{
     CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
 use crate::shading::{NODES, places};
-use crate::smooth::smooth_cost;
+use crate::smooth::smooth_light;
 use crate::spline::Basis;
 
 /// Distance of the stations at which the model is computed, px.
@@ -41,7 +41,7 @@ const CREASE_SPREAD: f64 = 2.0;
 /// … and never by more than this, px, and this share of how far the paint reaches.
 const ASIDE_PX: f64 = 2.5;
 const ASIDE: f64 = 0.3;
-/// Neighbouring pixels share texture and misfit: so many of them count as one.
+/// Neighbouring pixels share texture and misfit: so many of them count as one, at least.
 const CORRELATED: f64 = 3.0;
 /// Noise as share of the light on open paint: at first, and the least.
 const NOISE: [f64; 2] = [0.02, 0.004];
@@ -61,6 +61,8 @@ pub(crate) struct Fit {
     /// By how much the valley explains the image better than flat paint, per station, and all over.
     pub(crate) gains: Vec<f64>,
     pub(crate) gain: f64,
+    /// By how much smooth light would have to bend across the paint, as share of it.
+    pub(crate) smooth_bend: f64,
     /// Root mean square misfit per station, as share of the light on open paint.
     pub(crate) misfits: Vec<f64>,
     /// How far the paint reaches to both sides, px.
@@ -442,8 +444,7 @@ impl<'a> Plan<'a> {
             (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
         let costs = problem.costs(unknowns);
         let flat_costs = flat.costs(&flat_best.unknowns);
-        let smooth = smooth_cost(&self.rows, self.length, self.stations, problem.noise);
-        let gains: Vec<f64> = flat_costs.iter().zip(&costs).map(|(flat, cost)| flat - cost).collect();
+        let smooth = smooth_light(&self.rows, self.length, self.stations, problem.noise);
         let mut model = vec![0.0; band.pixels.len()];
         let mut squares = vec![[0.0f64; 2]; self.stations];
         let mut place = self.order.iter();
@@ -454,13 +455,16 @@ impl<'a> Plan<'a> {
             let sum = &mut squares[row.station];
             *sum = [sum[0] + 1.0, sum[1] + (row.light - light).powi(2)];
         });
+        let evidence = evidence(band, &model);
+        let gains = flat_costs.iter().zip(&costs).map(|(flat, cost)| evidence * (flat - cost)).collect();
         let misfits = squares.iter().map(|[count, sum]| (sum / count.max(1.0)).sqrt()).collect();
         let constants = problem.constants(unknowns);
         Fit {
             fields,
             deviations,
             constants: std::array::from_fn(|k| constants[k]),
-            gain: smooth - costs.iter().sum::<f64>(),
+            gain: evidence * (smooth.cost - costs.iter().sum::<f64>()),
+            smooth_bend: smooth.bend,
             gains,
             misfits,
             half_width: PAINT_WIDTHS * self.ln_width.exp(),
@@ -469,6 +473,23 @@ impl<'a> Plan<'a> {
             ground: if self.is_known { self.ground.clone() } else { Vec::new() },
         }
     }
+}
+
+/// What the gain in likelihood is worth, 1 at most: the more what is left of neighbouring pixels is alike, the more of them count as
+/// one. Of values that fall off alike along both axes, ((1 + ρ) / (1 − ρ))² do.
+fn evidence(band: &Band, model: &[f64]) -> f64 {
+    let left: Vec<f64> = band.pixels.iter().zip(model).map(|(pixel, light)| pixel.light - light).collect();
+    let square = left.iter().map(|off| off * off).sum::<f64>() / left.len().max(1) as f64;
+    let places = band.pixels.windows(2).enumerate();
+    let beside = places.filter(|(_, pair)| {
+        let [one, other] = [pair[0].place, pair[1].place];
+        one[1] == other[1] && one[0] + 1 == other[0]
+    });
+    let (sum, count) =
+        beside.fold((0.0, 0usize), |(sum, count), (at, _)| (sum + left[at] * left[at + 1], count + 1));
+    let alike = (sum / count.max(1) as f64 / square.max(1e-12)).clamp(0.0, 0.9);
+    let one = ((1.0 + alike) / (1.0 - alike)).powi(2);
+    (CORRELATED / one).min(1.0)
 }
 
 /// How far the paint reaches to both sides, about: the median over stations of half of its extent, with what erosion took.

@@ -18,6 +18,14 @@ const LOCAL_PX: f64 = 20.0;
 const LOCAL_GATE: f64 = 0.75;
 /// Paint that reaches less far to both sides, px, does not show whether it is flat.
 const NARROW_PX: f64 = 6.5;
+/// No light on flat paint bends by more across it, as share of the light.
+const MOST_BEND: f64 = 0.3;
+/// Uneven light of 1 % on flat skin looks like a valley of this d/w …
+const SHALLOWEST: f64 = 0.055;
+/// … and up to this one where it is as wide …
+const SHALLOW: f64 = 0.09;
+/// … as this share of how far the paint reaches: its rims are not seen.
+const WIDE: f64 = 0.85;
 /// A section needs paint within so many px along the curve.
 const GAP_PX: f64 = 5.0;
 
@@ -84,7 +92,9 @@ pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Measured {
         let sections = places.iter().map(|&x| failed_section(curve, x)).collect();
         return Measured { sections, model: vec![1.0; band.pixels.len()], gain: 0.0 };
     };
-    let sections = places.iter().map(|&x| section(&fit, curve, x, params, paint.near(x))).collect();
+    let is_uneven = is_uneven_light(&fit, params);
+    let sections =
+        places.iter().map(|&x| section(&fit, curve, x, params, [paint.near(x), is_uneven])).collect();
     Measured { sections, model: fit.model, gain: fit.gain }
 }
 
@@ -156,7 +166,7 @@ impl Coverage {
     }
 }
 
-fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) -> Section {
+fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, [is_covered, is_uneven]: [bool; 2]) -> Section {
     let ([w, d], deviation, crease, light) = {
         let (fields, deviations) = fit.at(x);
         let (w, ratio) = (fields[LN_WIDTH].exp(), fields[LN_RATIO].exp());
@@ -179,7 +189,10 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
         () if !is_covered => SectionState::Failed,
         // Too little is seen to say that there is no valley.
         () if fit.gain < params.gate && fit.half_width < NARROW_PX => SectionState::Failed,
+        // Like no groove, but too dark for flat paint.
+        () if fit.gain < params.gate && fit.smooth_bend > MOST_BEND => SectionState::Failed,
         () if fit.gain < params.gate || local_gain(fit, x) < LOCAL_GATE * params.gate => SectionState::Flat,
+        () if is_uneven => SectionState::Flat,
         () => SectionState::Measured,
     };
     let has_valley = state == SectionState::Measured;
@@ -197,6 +210,20 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
         residual: Some(fit.misfits[station] / light),
         state,
     }
+}
+
+/// Whether what looks like a valley may be uneven light on flat paint: too shallow, or shallow and as wide as the paint itself.
+fn is_uneven_light(fit: &Fit, params: &Params) -> bool {
+    let is_seen =
+        |station: usize| local_gain(fit, (station as f64 + 0.5) * fit.spacing) >= LOCAL_GATE * params.gate;
+    let seen: Vec<usize> = (0..fit.fields.len()).filter(|&station| is_seen(station)).collect();
+    let middle = |field: usize| {
+        let mut values: Vec<f64> = seen.iter().map(|&station| fit.fields[station][field]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).map_or(0.0, |value| value.exp())
+    };
+    let (w, ratio) = (middle(LN_WIDTH), middle(LN_RATIO));
+    ratio < SHALLOWEST || ratio < SHALLOW && w > WIDE * fit.half_width
 }
 
 fn local_gain(fit: &Fit, x: f64) -> f64 {
