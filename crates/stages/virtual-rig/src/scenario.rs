@@ -38,8 +38,7 @@ pub struct Scenario {
     /// Depth of the pores, mm; 0.02 looks right. They show where edges are shorter than 0.2 mm: on 1 400 000 vertices.
     #[serde(default)]
     pub pores_mm: f64,
-    /// Length of edges along the wrinkles' lines, mm, so that sharp creases are not cut off; 0: as beside them. Adds vertices there
-    /// at the cost of the rest.
+    /// Length of edges along the wrinkles' lines, mm, so that sharp creases are not cut off; 0: as beside them.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub crease_mm: f64,
     /// How the recording differs from the scan.
