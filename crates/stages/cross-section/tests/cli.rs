@@ -261,6 +261,8 @@ fn geometry_is_asked_for_as_a_whole() {
 #[test]
 fn a_known_face_says_the_tilt() {
     let folder = take();
+    let leaning = Scene { ratio: 0.3, epsilon: 0.2, tilt: 30f64.to_radians().tan(), ..Scene::default() };
+    write_picture(folder.path(), 1005, &leaning.picture(5));
     // A wall 500 mm before the camera, which shows 0.5 mm in a pixel.
     let corners = "v -100 -100 0\nv 100 -100 0\nv 100 100 0\nv -100 100 0\nf 1 2 3 4\n";
     std::fs::write(folder.path().join("face.obj"), corners).unwrap();

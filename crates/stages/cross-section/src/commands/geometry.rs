@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 /// Where the skin lies, so that tilt and curvature need not be guessed.
 #[derive(clap::Args)]
-pub(crate) struct Options {
+pub(crate) struct GeometryOptions {
     /// The face without wrinkles in the space of the head: the scan, mapped back by `rbf-warp apply --inverse`
     #[arg(long, value_name = "FILE", requires_all = ["cameras", "head_pose"])]
     mesh: Option<PathBuf>,
@@ -45,7 +45,7 @@ pub(crate) struct Face {
     normals: Vec<Vector3<f64>>,
 }
 
-impl Options {
+impl GeometryOptions {
     /// What is given; none where nothing is.
     pub(crate) fn read(&self, run: &mut Run) -> anyhow::Result<Option<Geometry>> {
         let (Some(mesh), Some(cameras), Some(head_pose)) = (&self.mesh, &self.cameras, &self.head_pose)

@@ -1,6 +1,6 @@
 //! Options that measuring and drawing share.
 
-use super::geometry::{self, Geometry};
+use super::geometry::{Geometry, GeometryOptions};
 use anyhow::bail;
 use artifact::{FrameReader, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader};
 use cross_section::{Model, Params};
@@ -14,7 +14,7 @@ pub(crate) struct Options {
     #[command(flatten)]
     source: ImageSource,
     #[command(flatten)]
-    geometry: geometry::Options,
+    geometry: GeometryOptions,
     /// Curves of the wrinkles (wrinkles-2d)
     #[arg(long, value_name = "FILE")]
     wrinkles: PathBuf,
