@@ -41,8 +41,10 @@ const CREASE_SPREAD: f64 = 2.0;
 /// … and never by more than this, px, and this share of how far the paint reaches.
 const ASIDE_PX: f64 = 2.5;
 const ASIDE: f64 = 0.3;
-/// Neighbouring pixels share texture and misfit: so many of them count as one, at least.
+/// Neighbouring pixels share texture and misfit: so many of them count as one in the fit …
 const CORRELATED: f64 = 3.0;
+/// … and at most so many where a valley is told from flat paint: beyond, it is misfit.
+const MOST_CORRELATED: f64 = 12.0;
 /// Noise as share of the light on open paint: at first, and the least.
 const NOISE: [f64; 2] = [0.02, 0.004];
 /// A rounding must gain so much cost over a sharp crease.
@@ -475,7 +477,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// What the gain in likelihood is worth, 1 at most: the more what is left of neighbouring pixels is alike, the more of them count as
+/// What the gain in likelihood is worth: the more what is left of neighbouring pixels is alike, the more of them count as
 /// one. Of values that fall off alike along both axes, ((1 + ρ) / (1 − ρ))² do.
 fn evidence(band: &Band, model: &[f64]) -> f64 {
     let left: Vec<f64> = band.pixels.iter().zip(model).map(|(pixel, light)| pixel.light - light).collect();
@@ -489,7 +491,7 @@ fn evidence(band: &Band, model: &[f64]) -> f64 {
         beside.fold((0.0, 0usize), |(sum, count), (at, _)| (sum + left[at] * left[at + 1], count + 1));
     let alike = (sum / count.max(1) as f64 / square.max(1e-12)).clamp(0.0, 0.9);
     let one = ((1.0 + alike) / (1.0 - alike)).powi(2);
-    (CORRELATED / one).min(1.0)
+    CORRELATED / one.min(MOST_CORRELATED)
 }
 
 /// How far the paint reaches to both sides, about: the median over stations of half of its extent, with what erosion took.
