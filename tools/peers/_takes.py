@@ -47,6 +47,10 @@ WRINKLE_FRAMES = 42
 # So many seconds of the performance per second, that all of its actions fit (it needs five seconds): the face moves three times
 # as fast from image to image as in the studio.
 WRINKLE_PACE = 1.5
+# Edges along creases, mm, half a pixel: coarser ones cut sharp creases off, and light is known at vertices only.
+WRINKLE_CREASE_MM = 0.1
+# How uneven the paint is, as a share of its light.
+WRINKLE_TEXTURE = 0.007
 
 
 def wrinkles(ctx, scenario, seed, **folds):
@@ -58,6 +62,8 @@ def wrinkles(ctx, scenario, seed, **folds):
     data["data"]["folds"] = data["data"].get("folds", {}) | folds
     rate = {"frames": 25, "seconds": 2}
     data["data"]["extent"] |= {"frames": WRINKLE_FRAMES, "rate": rate, "wrinkle_every": 1, "pace": WRINKLE_PACE}
+    data["data"]["crease_mm"] = WRINKLE_CREASE_MM
+    data["data"]["paint"] |= {"texture": WRINKLE_TEXTURE}
     changed = "".join(f"-{value}" for value in folds.values() if isinstance(value, str))
     path = ctx.tmp / f"{scenario}{changed}-wrinkles.json"
     path.write_text(json.dumps(data, sort_keys=True))

@@ -1,7 +1,8 @@
 """Scores of `cross-section`: valleys measured in virtual takes, beside their true sections. And its speed.
 
 The curves handed over are the true ones, moved across by up to two pixels along their length and without the truth's detail, as far off
-as curves fitted to paint are. The paper's model is measured on the same data.
+as curves fitted to paint are. Where the skin lies is known, as after a first pass: the scan, carried by the true motion without wrinkles; beside it
+stands what is reached without. The paper's model is measured on the same data.
 """
 
 import json
@@ -9,7 +10,7 @@ import math
 import random
 import statistics
 
-from _takes import lines, wrinkles, write_lines
+from _takes import WRINKLE_TEXTURE, lines, wrinkles, write_lines
 
 SEEDS = [1, 2, 3, 4, 5, 6]
 FAMILIES = {"s": "exact", "rounded": "rounded", "foreign": "foreign"}
@@ -48,6 +49,21 @@ def disturbed(ctx, folder, seed, still=False):
     return write_lines(ctx.tmp / f"{folder.name}-curves.jsonl", "wrinkles-2d/1", header, frames)
 
 
+def geometry(ctx, folder):
+    """What a first pass knows of the face: the scan in the space of the head, cameras, the head's pose, the motion without wrinkles."""
+    mesh, truth = ctx.tmp / f"{folder.name}-head.obj", folder / "truth"
+    if not mesh.exists():
+        rbf = ctx.binary("rbf-warp")
+        scan = ["--mesh", folder / "take" / "scan.obj", "--unit", "mm"]
+        pairs, warp = ctx.tmp / f"{folder.name}-pairs.json", ctx.tmp / f"{folder.name}-warp.json"
+        ctx.run([rbf, "correspond", *scan, "--picks", folder / "take" / "picks.csv", "--out", pairs])
+        ctx.run([rbf, "fit", "--markers", truth / "head.jsonl", "--correspondence", pairs, *scan, "--out", warp])
+        ctx.run([rbf, "apply", "--warp", warp, "--points", folder / "take" / "scan.obj", "--unit", "mm", "--inverse",
+                 "--keep-unconverged", "--out", mesh])
+    return ["--mesh", mesh, "--unit", "mm", "--cameras", truth / "cameras.json", "--head-pose", truth / "pose.jsonl",
+            "--large-scale", truth / "large-scale.json"]
+
+
 def measure(ctx, folder, curves, *args):
     """Sections of a take, and the summary."""
     out = ctx.tmp / f"{folder.name}.jsonl"
@@ -82,11 +98,14 @@ def share(rows, name, count):
 
 def score(ctx):
     seeds = ctx.seeds or SEEDS
-    ours, papers = {}, {}
+    ours, blind, papers = {}, {}, {}
     for family in FAMILIES:
         folders = {seed: wrinkles(ctx, "standard", seed, family=family) for seed in seeds}
         curves = {seed: disturbed(ctx, folder, seed) for seed, folder in folders.items()}
-        ours[family] = {seed: scored(ctx, folders[seed], measure(ctx, folders[seed], curves[seed])[0]) for seed in seeds}
+        known = lambda seed: measure(ctx, folders[seed], curves[seed], *geometry(ctx, folders[seed]))[0]
+        ours[family] = {seed: scored(ctx, folders[seed], known(seed)) for seed in seeds}
+        guess = lambda seed: measure(ctx, folders[seed], curves[seed])[0]
+        blind[family] = {seed: scored(ctx, folders[seed], guess(seed)) for seed in seeds}
         paper = lambda seed: measure(ctx, folders[seed], curves[seed], "--model", "paper")[0]
         papers[family] = {seed: scored(ctx, folders[seed], paper(seed)) for seed in seeds}
     merged = {f"{family} {seed}": row for family, rows in ours.items() for seed, row in rows.items()}
@@ -103,8 +122,12 @@ def score(ctx):
         yield metric(f"foreign_{name.removeprefix('rim_')}", found, target, "lower", "ratio", by_seed=by_seed)
     for name, count, target in [("flat_rejected", "flat_wrinkles", 0.97), ("shallow_kept", "shallow_wrinkles", 0.95)]:
         found, total = share(merged.values(), name, count)
-        context = {"wrinkle_images": total, "paint_texture": "none: the rig has none"}
+        context = {"wrinkle_images": total, "paint_texture": WRINKLE_TEXTURE}
         yield metric(name, found, target, "higher", "share", **context)
+    alone = {f"{family} {seed}": row for family, rows in blind.items() for seed, row in rows.items()}
+    for name in ["crease_px", "crease_p90_px", "ratio_rel", "width_rel"]:
+        found, by_seed = median(alone, name)
+        yield metric(f"without_geometry_{name}", found, None, None, "px" if name.endswith("px") else "ratio", by_take=by_seed)
     for family, name in FAMILIES.items():
         found, by_seed = median(papers[family], "ratio_rel")
         yield metric(f"paper_ratio_rel_{name}", found, None, None, "ratio", by_seed=by_seed)

@@ -1,13 +1,14 @@
 //! The extended model fitted to the painted pixels of a wrinkle.
 
 use crate::descent::{Minimum, descend};
+use crate::ground::Ground;
 use crate::paint::{Band, Pixel};
 use crate::params::Params;
 use crate::problem::{
     CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
 use crate::shading::{NODES, places};
-use crate::smooth::smooth_cost;
+use crate::smooth::smooth_light;
 use crate::spline::Basis;
 
 /// Distance of the stations at which the model is computed, px.
@@ -31,13 +32,19 @@ const RISE_SPREAD: f64 = 0.04;
 const BEND_SPREAD: f64 = 0.03;
 /// Means and deviations of ε, κ, g, t.
 const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.3], [0.0, 0.12], [0.0, 0.06], [0.0, 0.3]];
+/// Deviations of what geometry says of t and of the curvature, per 10 px.
+const GROUND_SPREADS: [f64; 2] = [0.06, 0.008];
+/// No view on a wrinkle leans more, as a tangent: beyond, it shows nothing.
+const MOST_TILT: f64 = 3.0;
 /// The first curve is off the crease by so much, px.
 const CREASE_SPREAD: f64 = 2.0;
 /// … and never by more than this, px, and this share of how far the paint reaches.
 const ASIDE_PX: f64 = 2.5;
 const ASIDE: f64 = 0.3;
-/// Neighbouring pixels share texture and misfit: so many of them count as one.
+/// Neighbouring pixels share texture and misfit: so many of them count as one in the fit …
 const CORRELATED: f64 = 3.0;
+/// … and at most so many where a valley is told from flat paint: beyond, it is misfit.
+const MOST_CORRELATED: f64 = 12.0;
 /// Noise as share of the light on open paint: at first, and the least.
 const NOISE: [f64; 2] = [0.02, 0.004];
 /// A rounding must gain so much cost over a sharp crease.
@@ -56,6 +63,8 @@ pub(crate) struct Fit {
     /// By how much the valley explains the image better than flat paint, per station, and all over.
     pub(crate) gains: Vec<f64>,
     pub(crate) gain: f64,
+    /// By how much smooth light would have to bend across the paint, as share of it.
+    pub(crate) smooth_bend: f64,
     /// Root mean square misfit per station, as share of the light on open paint.
     pub(crate) misfits: Vec<f64>,
     /// How far the paint reaches to both sides, px.
@@ -64,6 +73,8 @@ pub(crate) struct Fit {
     pub(crate) spacing: f64,
     /// Per pixel of the band the model's light.
     pub(crate) model: Vec<f64>,
+    /// What geometry said of t and of the curvature, per station; empty where it said nothing.
+    ground: Vec<[f64; 2]>,
 }
 
 /// Starts: share of the expected width, ε, and the side to which the crease lies of what is dark, with a view from there.
@@ -105,15 +116,44 @@ struct Plan<'a> {
     params: &'a Params,
     albedo: f64,
     places: [f64; NODES],
+    /// Per station what geometry says of t and of the curvature, 1/px; zeros where it says nothing.
+    ground: Vec<[f64; 2]>,
+    is_known: bool,
+}
+
+/// How many stations a length has.
+pub(crate) fn station_count(length: f64) -> usize {
+    (length / STATION_PX).round().max(1.0) as usize + 1
+}
+
+/// What geometry says, where it says nothing that of the nearest place where it does.
+fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<[f64; 2]>> {
+    let known: Vec<(usize, [f64; 2])> = ground
+        .iter()
+        .enumerate()
+        .filter_map(|(at, ground)| {
+            let ground = ground.as_ref()?;
+            Some((at, [ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT), ground.bend_per_px]))
+        })
+        .collect();
+    let nearest =
+        |at: usize| known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, ground)| *ground);
+    (0..count).map(nearest).collect()
 }
 
 impl Fit {
     /// None where there is too little paint.
-    pub(crate) fn of(band: &Band, length: f64, params: &Params, albedo: f64) -> Option<Self> {
+    pub(crate) fn of(
+        band: &Band,
+        length: f64,
+        ground: &[Option<Ground>],
+        params: &Params,
+        albedo: f64,
+    ) -> Option<Self> {
         if band.pixels.len() < LEAST_PIXELS {
             return None;
         }
-        let plan = Plan::of(band, length, params, albedo);
+        let plan = Plan::of(band, length, ground, params, albedo);
         let creases = ridge(&plan);
         let mut flat = plan.problem(true);
         let base = plan.start(&flat, &creases, &[plan.ln_width, RATIO.ln(), 0.4]);
@@ -131,6 +171,13 @@ impl Fit {
         }
         let flat_best = descend(&flat, &base, 6, 0.1);
         Some(plan.fit(band, &problem, &best, &flat, &flat_best))
+    }
+
+    /// The tilt of the view at a length along the wrinkle, rad, where geometry says it.
+    pub(crate) fn tilt(&self, x: f64) -> Option<f64> {
+        let nearest = (x / self.spacing).round() as usize;
+        let known = self.ground.get(nearest.min(self.ground.len().saturating_sub(1)))?;
+        Some((known[0] + self.constants[TILTED]).atan())
     }
 
     /// Fields at a length along the wrinkle, with the deviations.
@@ -160,8 +207,9 @@ fn sharpened(problem: &mut Problem<'_>, rounded: Minimum) -> Minimum {
 }
 
 impl<'a> Plan<'a> {
-    fn of(band: &Band, length: f64, params: &'a Params, albedo: f64) -> Self {
-        let intervals = (length / STATION_PX).round().max(1.0);
+    fn of(band: &Band, length: f64, ground: &[Option<Ground>], params: &'a Params, albedo: f64) -> Self {
+        let stations = station_count(length);
+        let intervals = (stations - 1) as f64;
         let row = |pixel: &Pixel| {
             let along = (pixel.x / length * intervals).clamp(0.0, intervals);
             let station = (along as usize).min(intervals as usize - 1);
@@ -174,8 +222,22 @@ impl<'a> Plan<'a> {
         let reach = rows.iter().map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
         let half = half_width(&rows, intervals as usize);
         let ln_width = (half / PAINT_WIDTHS).max(1.5).ln();
-        let stations = intervals as usize + 1;
-        Self { length, stations, rows, order, reach, ln_width, params, albedo, places: places() }
+        let ground = filled(ground, stations).filter(|_| params.tilt_deg.is_none());
+        let is_known = ground.is_some();
+        let ground = ground.unwrap_or_else(|| vec![[0.0; 2]; stations]);
+        Self {
+            length,
+            stations,
+            rows,
+            order,
+            reach,
+            ln_width,
+            params,
+            albedo,
+            places: places(),
+            ground,
+            is_known,
+        }
     }
 
     fn blur(&self) -> f64 {
@@ -184,12 +246,18 @@ impl<'a> Plan<'a> {
 
     fn problem(&self, flat: bool) -> Problem<'_> {
         let bases = KNOTS_PX.map(|spacing| Basis::new(self.length, spacing, self.stations));
-        let mut problem = self.bare(&self.rows, bases, flat);
+        let mut problem = self.bare(&self.rows, bases, &self.ground, flat);
         problem.priors = self.priors(&problem);
         problem
     }
 
-    fn bare<'p>(&'p self, rows: &'p [Row], bases: [Basis; FIELDS], flat: bool) -> Problem<'p> {
+    fn bare<'p>(
+        &'p self,
+        rows: &'p [Row],
+        bases: [Basis; FIELDS],
+        ground: &'p [[f64; 2]],
+        flat: bool,
+    ) -> Problem<'p> {
         let mut free = [!flat; CONSTANTS];
         free[TILTED] &= self.params.tilt_deg.is_none();
         Problem {
@@ -204,6 +272,7 @@ impl<'a> Plan<'a> {
             noise: NOISE[0] * CORRELATED.sqrt(),
             aside: ASIDE_PX + ASIDE * PAINT_WIDTHS * self.ln_width.exp(),
             widest: self.ln_width + WIDEST.ln(),
+            ground,
             places: &self.places,
         }
     }
@@ -216,7 +285,7 @@ impl<'a> Plan<'a> {
             Some((0.0, CREASE_SPREAD)),
             None,
             Some((0.0, RISE_SPREAD)),
-            Some((0.0, BEND_SPREAD)),
+            Some((0.0, if self.is_known { GROUND_SPREADS[1] } else { BEND_SPREAD })),
         ];
         for (field, value) in values.into_iter().enumerate() {
             let (first, count) = (problem.first(field), problem.bases[field].count);
@@ -236,6 +305,8 @@ impl<'a> Plan<'a> {
         let first = problem.first(FIELDS);
         for (constant, [mean, deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
             if problem.free[constant] {
+                let known = self.is_known && constant == TILTED;
+                let deviation = if known { GROUND_SPREADS[0] } else { deviation };
                 priors.push(Prior { terms: vec![(first + constant, 1.0)], mean, deviation });
             }
         }
@@ -279,14 +350,17 @@ impl<'a> Plan<'a> {
     fn firsts(&self, creases: &[f64]) -> Vec<First> {
         let rows = self.collapsed(creases);
         let bases = std::array::from_fn(|_| Basis::constant(2));
-        let mut problem = self.bare(&rows, bases, false);
+        let count = self.ground.len() as f64;
+        let mean = [0, 1].map(|k| self.ground.iter().map(|ground| ground[k]).sum::<f64>() / count);
+        let ground = [mean; 2];
+        let mut problem = self.bare(&rows, bases, &ground, false);
         problem.priors = self.priors(&problem);
         let crease = problem.first(CREASE);
         let descended = STARTS.map(|[width, epsilon, side]| {
             let ln_width = self.ln_width + f64::ln(width);
             let mut start = self.start(&problem, &[0.0; 2], &[ln_width, RATIO.ln(), epsilon]);
             start[crease] = 0.4 * side * ln_width.exp();
-            if problem.free[TILTED] {
+            if problem.free[TILTED] && !self.is_known {
                 start[problem.first(FIELDS) + TILTED] = 0.5 * side;
             }
             descend(&problem, &start, 10, 1.0)
@@ -372,8 +446,7 @@ impl<'a> Plan<'a> {
             (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
         let costs = problem.costs(unknowns);
         let flat_costs = flat.costs(&flat_best.unknowns);
-        let smooth = smooth_cost(&self.rows, self.length, self.stations, problem.noise);
-        let gains: Vec<f64> = flat_costs.iter().zip(&costs).map(|(flat, cost)| flat - cost).collect();
+        let smooth = smooth_light(&self.rows, self.length, self.stations, problem.noise);
         let mut model = vec![0.0; band.pixels.len()];
         let mut squares = vec![[0.0f64; 2]; self.stations];
         let mut place = self.order.iter();
@@ -384,20 +457,41 @@ impl<'a> Plan<'a> {
             let sum = &mut squares[row.station];
             *sum = [sum[0] + 1.0, sum[1] + (row.light - light).powi(2)];
         });
+        let evidence = evidence(band, &model);
+        let gains = flat_costs.iter().zip(&costs).map(|(flat, cost)| evidence * (flat - cost)).collect();
         let misfits = squares.iter().map(|[count, sum]| (sum / count.max(1.0)).sqrt()).collect();
         let constants = problem.constants(unknowns);
         Fit {
             fields,
             deviations,
             constants: std::array::from_fn(|k| constants[k]),
-            gain: smooth - costs.iter().sum::<f64>(),
+            gain: evidence * (smooth.cost - costs.iter().sum::<f64>()),
+            smooth_bend: smooth.bend,
             gains,
             misfits,
             half_width: PAINT_WIDTHS * self.ln_width.exp(),
             spacing: self.length / (self.stations - 1) as f64,
             model,
+            ground: if self.is_known { self.ground.clone() } else { Vec::new() },
         }
     }
+}
+
+/// What the gain in likelihood is worth: the more what is left of neighbouring pixels is alike, the more of them count as
+/// one. Of values that fall off alike along both axes, ((1 + ρ) / (1 − ρ))² do.
+fn evidence(band: &Band, model: &[f64]) -> f64 {
+    let left: Vec<f64> = band.pixels.iter().zip(model).map(|(pixel, light)| pixel.light - light).collect();
+    let square = left.iter().map(|off| off * off).sum::<f64>() / left.len().max(1) as f64;
+    let places = band.pixels.windows(2).enumerate();
+    let beside = places.filter(|(_, pair)| {
+        let [one, other] = [pair[0].place, pair[1].place];
+        one[1] == other[1] && one[0] + 1 == other[0]
+    });
+    let (sum, count) =
+        beside.fold((0.0, 0usize), |(sum, count), (at, _)| (sum + left[at] * left[at + 1], count + 1));
+    let alike = (sum / count.max(1) as f64 / square.max(1e-12)).clamp(0.0, 0.9);
+    let one = ((1.0 + alike) / (1.0 - alike)).powi(2);
+    CORRELATED / one.min(MOST_CORRELATED)
 }
 
 /// How far the paint reaches to both sides, about: the median over stations of half of its extent, with what erosion took.

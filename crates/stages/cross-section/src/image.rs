@@ -2,6 +2,7 @@
 
 use crate::Picture;
 use crate::albedo::estimate_albedo;
+use crate::ground::Surface;
 use crate::measure::{Measured, Painted, failed, measure, painted};
 use crate::params::Params;
 use artifact::{Curve2d, Section};
@@ -26,13 +27,25 @@ pub struct ImageWrinkle {
 }
 
 impl ImageSections {
-    /// Measures the wrinkles along these curves. `light`: linear light by code.
+    /// Measures the wrinkles along these curves. `light`: linear light by code; `surface`: the skin without wrinkles, where it is known.
     ///
     /// The same for any number of threads; other images do not matter.
     #[must_use]
-    pub fn of(picture: &Picture<'_>, light: &[f64; 256], curves: &[&Curve2d], params: &Params) -> Self {
-        let paints: Vec<Option<Painted>> =
-            curves.par_iter().map(|curve| painted(picture, light, curve, params)).collect();
+    pub fn of(
+        picture: &Picture<'_>,
+        light: &[f64; 256],
+        curves: &[&Curve2d],
+        surface: Option<&Surface<'_>>,
+        params: &Params,
+    ) -> Self {
+        let paint = |curve: &&Curve2d| {
+            let painted = painted(picture, light, curve, params)?;
+            Some(match surface {
+                Some(surface) => painted.over(surface),
+                None => painted,
+            })
+        };
+        let paints: Vec<Option<Painted>> = curves.par_iter().map(paint).collect();
         let estimate = || estimate_albedo(paints.iter().flatten().map(|painted| &painted.band));
         let albedo = params.albedo.unwrap_or_else(estimate);
         let wrinkle = |(curve, paint): (&&Curve2d, Option<Painted>)| match paint {

@@ -3,7 +3,8 @@
 use crate::Picture;
 use crate::albedo::combined_albedo;
 use crate::curve::Curve;
-use crate::fit::Fit;
+use crate::fit::{Fit, station_count};
+use crate::ground::{Ground, Surface};
 use crate::paint::{Band, band};
 use crate::paper;
 use crate::params::{Model, Params};
@@ -17,8 +18,21 @@ const LOCAL_PX: f64 = 20.0;
 const LOCAL_GATE: f64 = 0.75;
 /// Paint that reaches less far to both sides, px, does not show whether it is flat.
 const NARROW_PX: f64 = 6.5;
+/// No light on flat paint bends by more across it, as share of the light.
+const MOST_BEND: f64 = 0.3;
+/// Uneven light of 1 % on flat skin looks like a valley of this d/w …
+const SHALLOWEST: f64 = 0.055;
+/// … and up to this one where it is as wide …
+const SHALLOW: f64 = 0.09;
+/// … as this share of how far the paint reaches: its rims are not seen.
+const WIDE: f64 = 0.85;
 /// A section needs paint within so many px along the curve.
 const GAP_PX: f64 = 5.0;
+
+/// How the skin lies is asked so far beyond the paint, px …
+const BESIDE_PX: f64 = 4.0;
+/// … and no less and no farther from the curve than this.
+const GROUND_PX: [f64; 2] = [10.0, 32.0];
 
 /// A wrinkle's paint in an image.
 #[derive(Debug, Clone)]
@@ -27,6 +41,19 @@ pub struct Painted {
     pub curve: Curve,
     /// The painted pixels beside it.
     pub band: Band,
+    /// How the skin around it is seen, at even places from its start to its end; empty where that is not known.
+    pub ground: Vec<Option<Ground>>,
+}
+
+impl Painted {
+    /// The same, with how the skin around it is seen.
+    #[must_use]
+    pub fn over(mut self, surface: &Surface<'_>) -> Self {
+        let widest = self.band.pixels.iter().map(|pixel| pixel.p.abs()).fold(0.0, f64::max);
+        let reach = (widest + BESIDE_PX).clamp(GROUND_PX[0], GROUND_PX[1]);
+        self.ground = surface.along(&self.curve, station_count(self.curve.len()), reach);
+        self
+    }
 }
 
 /// A measured wrinkle.
@@ -47,7 +74,7 @@ pub fn painted(picture: &Picture, light: &[f64; 256], curve: &Curve2d, params: &
     let widest = curve.paint.iter().map(|width| width.left_px.max(width.right_px)).reduce(f64::max);
     let reach = widest.map_or(params.reach_px, |widest| (widest + 3.0).min(params.reach_px));
     let band = band(picture, light, &path, reach)?;
-    Some(Painted { curve: path, band })
+    Some(Painted { curve: path, band, ground: Vec::new() })
 }
 
 /// The sections of a wrinkle. Those without paint are failed; all of them where there is too little.
@@ -55,17 +82,19 @@ pub fn painted(picture: &Picture, light: &[f64; 256], curve: &Curve2d, params: &
 /// `albedo`: the share of the light that the paint's brightest channel throws back, see [`estimate_albedo`](crate::estimate_albedo).
 #[must_use]
 pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Measured {
-    let Painted { curve, band } = painted;
+    let Painted { curve, band, ground } = painted;
     let places = places(curve, params);
     let paint = Coverage::of(band, curve.len());
     if params.model == Model::Paper {
         return measure_sharp(painted, params, &places, &paint);
     }
-    let Some(fit) = Fit::of(band, curve.len(), params, combined_albedo(band, albedo)) else {
+    let Some(fit) = Fit::of(band, curve.len(), ground, params, combined_albedo(band, albedo)) else {
         let sections = places.iter().map(|&x| failed_section(curve, x)).collect();
         return Measured { sections, model: vec![1.0; band.pixels.len()], gain: 0.0 };
     };
-    let sections = places.iter().map(|&x| section(&fit, curve, x, params, paint.near(x))).collect();
+    let is_uneven = is_uneven_light(&fit, params);
+    let sections =
+        places.iter().map(|&x| section(&fit, curve, x, params, [paint.near(x), is_uneven])).collect();
     Measured { sections, model: fit.model, gain: fit.gain }
 }
 
@@ -101,7 +130,7 @@ fn failed_section(curve: &Curve, x: f64) -> Section {
 
 /// The paper's fit has no gate: all that has paint is measured.
 fn measure_sharp(painted: &Painted, params: &Params, places: &[f64], paint: &Coverage) -> Measured {
-    let Painted { curve, band } = painted;
+    let Painted { curve, band, .. } = painted;
     let fits = paper::fit(band, curve, places, params);
     let sections = places.iter().zip(&fits).map(|(&x, fit)| {
         let failed = failed_section(curve, x);
@@ -137,7 +166,7 @@ impl Coverage {
     }
 }
 
-fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) -> Section {
+fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, [is_covered, is_uneven]: [bool; 2]) -> Section {
     let ([w, d], deviation, crease, light) = {
         let (fields, deviations) = fit.at(x);
         let (w, ratio) = (fields[LN_WIDTH].exp(), fields[LN_RATIO].exp());
@@ -160,7 +189,10 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
         () if !is_covered => SectionState::Failed,
         // Too little is seen to say that there is no valley.
         () if fit.gain < params.gate && fit.half_width < NARROW_PX => SectionState::Failed,
+        // Like no groove, but too dark for flat paint.
+        () if fit.gain < params.gate && fit.smooth_bend > MOST_BEND => SectionState::Failed,
         () if fit.gain < params.gate || local_gain(fit, x) < LOCAL_GATE * params.gate => SectionState::Flat,
+        () if is_uneven => SectionState::Flat,
         () => SectionState::Measured,
     };
     let has_valley = state == SectionState::Measured;
@@ -173,11 +205,25 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, is_covered: bool) 
         d_px: valley(d),
         epsilon: valley(fit.constants[ROUND]),
         kappa: valley(fit.constants[LOPSIDED]),
-        tilt_rad: params.tilt_deg.map(f64::to_radians),
+        tilt_rad: fit.tilt(x).or(params.tilt_deg.map(f64::to_radians)),
         deviation: Some(deviation).filter(|spread| spread.w_px.is_finite() && spread.d_px.is_finite()),
         residual: Some(fit.misfits[station] / light),
         state,
     }
+}
+
+/// Whether what looks like a valley may be uneven light on flat paint: too shallow, or shallow and as wide as the paint itself.
+fn is_uneven_light(fit: &Fit, params: &Params) -> bool {
+    let is_seen =
+        |station: usize| local_gain(fit, (station as f64 + 0.5) * fit.spacing) >= LOCAL_GATE * params.gate;
+    let seen: Vec<usize> = (0..fit.fields.len()).filter(|&station| is_seen(station)).collect();
+    let middle = |field: usize| {
+        let mut values: Vec<f64> = seen.iter().map(|&station| fit.fields[station][field]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).map_or(0.0, |value| value.exp())
+    };
+    let (w, ratio) = (middle(LN_WIDTH), middle(LN_RATIO));
+    ratio < SHALLOWEST || ratio < SHALLOW && w > WIDE * fit.half_width
 }
 
 fn local_gain(fit: &Fit, x: f64) -> f64 {

@@ -43,7 +43,7 @@ impl Default for Params {
             lens_blur_px: 0.7,
             albedo: None,
             tilt_deg: None,
-            gate: 6.0,
+            gate: 10.5,
         }
     }
 }

@@ -87,6 +87,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) aside: f64,
     /// ln of the largest width.
     pub(crate) widest: f64,
+    /// Per station what is known of t and c before, 1/px for the latter; their unknowns are what is left.
+    pub(crate) ground: &'a [[f64; 2]],
     pub(crate) places: &'a [f64; NODES],
 }
 
@@ -148,9 +150,9 @@ impl Problem<'_> {
                 ratio: if self.flat { 0.0 } else { self.field(unknowns, LN_RATIO, station).exp() },
                 epsilon: constants[ROUND],
                 kappa: constants[LOPSIDED],
-                bend: self.field(unknowns, BENT, station) / BEND_PX,
+                bend: self.ground[station][1] + self.field(unknowns, BENT, station) / BEND_PX,
                 skew: constants[SKEWED],
-                tilt: constants[TILTED],
+                tilt: self.ground[station][0] + constants[TILTED],
                 albedo: self.albedo,
             };
             let table = match (tables.last(), last == Some(groove)) {
@@ -368,6 +370,7 @@ mod tests {
             noise: 0.5,
             aside: 9.0,
             widest: 4.0,
+            ground: &[[0.1, -0.004]; 5],
             places: &nodes,
         };
         let mut unknowns: Vec<f64> =

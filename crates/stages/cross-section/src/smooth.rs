@@ -16,26 +16,35 @@ const FIRST_BEND: usize = 2;
 /// Steps of reweighting.
 const STEPS: usize = 3;
 
-/// The cost of the pixels under the best smooth light: polynomials across, splines along; infinite where there is none.
-pub(crate) fn smooth_cost(rows: &[Row], length: f64, stations: usize, noise: f64) -> f64 {
+/// What smooth light says of pixels.
+pub(crate) struct Smooth {
+    /// Their cost under the best one; infinite where there is none.
+    pub(crate) cost: f64,
+    /// By how much it bends across the paint, as share of the light.
+    pub(crate) bend: f64,
+}
+
+/// The best smooth light over pixels: polynomials across, splines along.
+pub(crate) fn smooth_light(rows: &[Row], length: f64, stations: usize, noise: f64) -> Smooth {
     let basis = Basis::new(length, KNOTS_PX, stations);
-    let mut cost = f64::INFINITY;
+    let mut smooth = Smooth { cost: f64::INFINITY, bend: 0.0 };
     let reach = rows.iter().map(|row| row.p.abs()).fold(1.0, f64::max);
     let terms: Vec<Vec<(usize, f64)>> = rows.iter().map(|row| terms(row, &basis, reach)).collect();
     let mut weights = vec![1.0; rows.len()];
     for _ in 0..STEPS {
         let count = basis.count * (ORDER + 1);
         let Some(solution) = solve(rows, &terms, &weights, count, noise) else { break };
-        let bends = solution.iter().enumerate().filter(|(at, _)| at % (ORDER + 1) >= FIRST_BEND);
-        cost = bends.map(|(_, bend)| (bend / BEND).powi(2)).sum();
+        let bends = || solution.iter().enumerate().filter(|(at, _)| at % (ORDER + 1) >= FIRST_BEND);
+        smooth.cost = bends().map(|(_, bend)| (bend / BEND).powi(2)).sum();
+        smooth.bend = bends().map(|(_, bend)| bend.abs()).fold(0.0, f64::max);
         for ((row, terms), weight) in rows.iter().zip(&terms).zip(&mut weights) {
             let light: f64 = terms.iter().map(|&(at, value)| value * solution[at]).sum();
             let (misfit, trust) = huber((row.light - light) / noise);
-            cost += row.weight * misfit;
+            smooth.cost += row.weight * misfit;
             *weight = trust;
         }
     }
-    cost
+    smooth
 }
 
 fn terms(row: &Row, basis: &Basis, reach: f64) -> Vec<(usize, f64)> {

@@ -6,11 +6,13 @@ mod scene;
 
 use artifact::picture::write_rgb8;
 use artifact::{
-    CameraFrames, Clock, FrameReader, FrameRun, FrameWriter, Frames, Rate, SectionState, Sections,
-    SectionsFrame, Shown, SyncCamera, SyncFrame, SyncHeader, SyncSource, TakeRef, TimeBase, Wrinkle,
-    Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader, write_document,
+    CameraFrames, CameraRig, Clock, FrameReader, FrameRun, FrameWriter, Frames, HeadPose, HeadPoseFrame,
+    HeadPoseHeader, Rate, SectionState, Sections, SectionsFrame, Shown, SyncCamera, SyncFrame, SyncHeader,
+    SyncSource, TakeRef, TimeBase, Wrinkle, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader, write_document,
 };
 use assert_cmd::Command;
+use camera::{BrownConrady, Camera, Lens};
+use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use scene::{SIZE, Scene};
 use std::path::Path;
 use std::process::Output;
@@ -246,6 +248,52 @@ fn pictures_are_drawn() {
     assert!(folder.path().join("over.png").exists() && folder.path().join("sheet.png").exists());
     let output = call(&folder, &["show", "--camera", "w9", "--frame", "1005", "--out", "other.png"]);
     assert!(output.status.code() == Some(1) && said(&output).contains("w9"), "{}", said(&output));
+}
+
+#[test]
+fn geometry_is_asked_for_as_a_whole() {
+    let folder = take();
+    let output = call(&folder, &[&MEASURE[..], &["--mesh", "face.obj", "--unit", "mm"]].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(said(&output).contains("--head-pose"), "{}", said(&output));
+}
+
+#[test]
+fn a_known_face_says_the_tilt() {
+    let folder = take();
+    let leaning = Scene { ratio: 0.3, epsilon: 0.2, tilt: 30f64.to_radians().tan(), ..Scene::default() };
+    write_picture(folder.path(), 1005, &leaning.picture(5));
+    // A wall 500 mm before the camera, which shows 0.5 mm in a pixel.
+    let corners = "v -100 -100 0\nv 100 -100 0\nv 100 100 0\nv -100 100 0\nf 1 2 3 4\n";
+    std::fs::write(folder.path().join("face.obj"), corners).unwrap();
+    let lens = Lens {
+        focal_px: Vector2::repeat(1000.0),
+        center_px: Vector2::new(79.5, 47.5),
+        distortion: BrownConrady::default(),
+    };
+    let eye = Point3::new(0.0, -250.0, 433.0);
+    let camera = Camera {
+        image_size: SIZE.map(|side| side as u32),
+        lens,
+        cam_from_world: Camera::pose_looking_at(eye, Point3::origin(), Vector3::y()),
+    };
+    let rig = CameraRig { cameras: [("w1".to_string(), camera.into())].into(), take: None };
+    write_document(&folder.path().join("cameras.json"), &rig).unwrap().publish().unwrap();
+    let header = HeadPoseHeader { rate: None, reference_frame: 1001, markers: vec![], take: None };
+    let mut poses = FrameWriter::<HeadPose>::create(&folder.path().join("pose.jsonl"), header).unwrap();
+    for frame in FRAMES {
+        let world_from_head = Some(Isometry3::identity());
+        poses.write(&HeadPoseFrame { frame, world_from_head, residual_mm: None, markers_used: 4 }).unwrap();
+    }
+    poses.finish().unwrap().publish().unwrap();
+    let geometry =
+        ["--mesh", "face.obj", "--unit", "mm", "--cameras", "cameras.json", "--head-pose", "pose.jsonl"];
+    let output = call(&folder, &[&MEASURE[..], &geometry].concat());
+    assert!(output.status.success(), "{}", said(&output));
+    // The curve runs to the right, and its right side is below, where the camera stands.
+    for section in &sections(&folder)[1].sections["w1"]["brow"] {
+        assert!((section.tilt_rad.unwrap().to_degrees() - 30.0).abs() < 9.0, "{section:?}");
+    }
 }
 
 #[test]

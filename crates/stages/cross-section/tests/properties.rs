@@ -5,7 +5,7 @@
 mod scene;
 
 use artifact::{Section, SectionState, Transfer};
-use cross_section::{Model, Params, Picture, measure, painted};
+use cross_section::{Ground, Model, Painted, Params, Picture, measure, painted};
 use scene::{SIZE, Scene};
 
 fn sections(scene: &Scene, params: &Params) -> Vec<Section> {
@@ -95,6 +95,41 @@ fn flat_paint_has_no_depth_at_all() {
             assert_ne!(section.state, SectionState::Measured);
         }
     }
+}
+
+#[test]
+fn uneven_paint_is_no_valley() {
+    let params = Params::default();
+    let mut flat = 0;
+    for seed in 1..=30 {
+        let scene = Scene { ratio: 0.0, texture: 0.01, ..Scene::default() };
+        let rgb = scene.picture(seed);
+        let picture = Picture::new(SIZE[0], SIZE[1], &rgb).unwrap();
+        let paint = painted(&picture, &Transfer::Srgb.light_of_codes(), &scene.curve(), &params).unwrap();
+        let found = measure(&paint, &params, 0.0).sections;
+        flat += usize::from(found.iter().all(|section| section.d_px == 0.0));
+    }
+    assert!(flat >= 29, "{flat} of 30");
+}
+
+#[test]
+fn known_ground_tells_a_hollow_from_a_valley() {
+    let scene = Scene { ratio: 0.3, epsilon: 0.3, bend: 0.008, tilt: 0.3, ..Scene::default() };
+    let rgb = scene.picture(7);
+    let picture = Picture::new(SIZE[0], SIZE[1], &rgb).unwrap();
+    let params = Params::default();
+    let guessed = painted(&picture, &Transfer::Srgb.light_of_codes(), &scene.curve(), &params).unwrap();
+    let ground = Ground { tilt_rad: 0.3f64.atan(), bend_per_px: 0.008 };
+    let known = Painted { ground: vec![Some(ground); 14], ..guessed.clone() };
+    let inner = |paint: &Painted| -> Vec<Section> {
+        let all = measure(paint, &params, 0.0).sections;
+        all.into_iter().filter(|section| (30.0..130.0).contains(&section.at[0])).collect()
+    };
+    let found = inner(&known);
+    assert_near(ratio_and_width(&found), &scene, [0.08, 0.2]);
+    assert!(found.iter().all(|section| (section.tilt_rad.unwrap() - 0.3f64.atan()).abs() < 0.12));
+    let off = |sections: &[Section]| (ratio_and_width(sections)[1] / scene.w - 1.0).abs();
+    assert!(off(&found) < off(&inner(&guessed)), "{} {}", off(&found), off(&inner(&guessed)));
 }
 
 #[test]

@@ -38,6 +38,9 @@ pub struct Scenario {
     /// Depth of the pores, mm; 0.02 looks right. They show where edges are shorter than 0.2 mm: on 1 400 000 vertices.
     #[serde(default)]
     pub pores_mm: f64,
+    /// Length of edges along the wrinkles' lines, mm, so that sharp creases are not cut off; 0: as beside them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub crease_mm: f64,
     /// How the recording differs from the scan.
     #[serde(default)]
     pub spaces: Spaces,
@@ -87,6 +90,11 @@ pub struct Scenario {
     /// What goes wrong, one by one.
     #[serde(default)]
     pub faults: Vec<Fault>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 fn whole() -> f64 {
@@ -151,6 +159,9 @@ impl Scenario {
         }
         if !(0.0..=0.2).contains(&self.pores_mm) {
             return Err(Error::parameter("pores_mm", "must lie between 0 and 0.2 mm"));
+        }
+        if self.crease_mm != 0.0 && !(0.02..=5.0).contains(&self.crease_mm) {
+            return Err(Error::parameter("crease_mm", "must lie between 0.02 and 5 mm, or be 0"));
         }
         if !positive(self.image_scale) || self.image_scale > 8.0 {
             return Err(Error::parameter("image_scale", "must be above 0 and at most 8"));

@@ -2,7 +2,7 @@
 
 use mesh::{Connectivity, Mesh, Polygons, loop_length};
 use nalgebra::{Point2, Point3, Similarity3, Vector3};
-use virtual_rig::body::{Body, MUSCLES};
+use virtual_rig::body::{Body, Fineness, MUSCLES};
 
 fn plain(seed: u64, count: usize) -> Body {
     Body::parametric(seed, count, &[], 0.0)
@@ -64,6 +64,25 @@ fn is_one_manifold_piece_with_eyes_and_mouth_cut_out() {
         assert_eq!(body.domain.len(), body.mesh.positions.len());
         assert_eq!(body.albedo.len(), body.mesh.positions.len());
     }
+}
+
+#[test]
+fn creases_have_edges_as_short_as_is_wanted() {
+    let fineness = Fineness { reach_mm: 6.0, crease_mm: 0.25 };
+    let body = Body::parametric(1, 30_000, &lines(), fineness);
+    assert_sound(&body.mesh);
+    let off = (body.mesh.positions.len() as f64 / 30_000.0 - 1.0).abs();
+    assert!(off < 0.1, "{} made", body.mesh.positions.len());
+    let on_line = |at: Point2<f64>| {
+        let near = |pair: &[Point2<f64>]| (at - pair[0]).norm().min((at - pair[1]).norm()) < 0.3;
+        lines().iter().any(|line| line.windows(2).any(near))
+    };
+    let edges = body.triangles.iter().flat_map(|t| (0..3).map(move |i| [t[i], t[(i + 1) % 3]]));
+    let at_creases = edges.filter(|edge| edge.iter().all(|&vertex| on_line(body.domain[vertex as usize])));
+    let lengths: Vec<f64> = at_creases
+        .map(|[a, b]| (body.mesh.positions[a as usize] - body.mesh.positions[b as usize]).norm())
+        .collect();
+    assert!(lengths.len() > 100 && lengths.iter().all(|length| *length < 0.3), "{}", lengths.len());
 }
 
 #[test]

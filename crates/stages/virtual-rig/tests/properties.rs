@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Vector2};
 use virtual_rig::act::{HeadMotion, Timeline};
 use virtual_rig::scenario::{Fault, FaultKind, Length, Performance, Scenario, preset};
 use virtual_rig::take::{Given, ImageTruth, Role, Studio, shots_by_frame};
+use virtual_rig::wrinkle::{Family, Fixed};
 
 /// A small, short take with these changes.
 fn studio(change: impl FnOnce(&mut Scenario)) -> Studio {
@@ -77,6 +78,50 @@ fn tracks_are_projected_markers() {
     let worst = offsets.iter().map(Vector2::norm).fold(0.0, f64::max);
     let mean = offsets.iter().sum::<Vector2<f64>>() / offsets.len() as f64;
     assert!(worst < 0.2 && mean.norm() < 0.02, "worst {worst} px, mean {mean}");
+}
+
+/// What a wrinkle camera truly sees of folds of a fixed depth.
+fn folds(d_over_w: f64) -> ImageTruth {
+    let studio = studio(|scenario| {
+        scenario.vertices = 25_000;
+        scenario.crease_mm = 0.2;
+        scenario.light.shadows = false;
+        scenario.folds.family = Family::S;
+        scenario.folds.fixed = Some(Fixed { w_mm: 2.0, d_over_w });
+    });
+    let station = &studio.stations()["w1"];
+    let set = studio.set(0.0, station.exposure_s, true);
+    let exposure = studio.expose(&set, station).unwrap();
+    studio.truth_of(&set, station, &exposure)
+}
+
+#[test]
+fn a_bottom_behind_its_own_wall_is_not_seen() {
+    let [shallow, deep] = [0.02, 0.8].map(folds);
+    let sections = |truth: &ImageTruth| truth.sections.values().map(Vec::len).sum::<usize>();
+    assert!(sections(&deep) < sections(&shallow) * 9 / 10 && sections(&deep) > 100);
+    // From the bottom of S(p) the wall rises by 2 d/w; skin that is bent opens it or closes it a little.
+    let leans = |truth: &ImageTruth| -> Vec<f64> {
+        truth.sections.values().flatten().map(|section| section.tilt_rad.unwrap().tan().abs()).collect()
+    };
+    let limit = 1.0 / (2.0 * 0.8);
+    let over = leans(&deep).iter().filter(|lean| **lean > 1.2 * limit).count();
+    assert!(over * 50 < sections(&deep), "{over} of {} are seen through their walls", sections(&deep));
+    let over = leans(&shallow).iter().filter(|lean| **lean > 1.2 * limit).count();
+    assert!(over * 20 > sections(&shallow), "the camera looks along few of the wrinkles: {over}");
+}
+
+#[test]
+fn true_sections_point_from_left_to_right() {
+    for sections in folds(0.3).sections.values() {
+        let turned = sections.windows(2).filter(|pair| {
+            let [along, right] =
+                [Vector2::from(pair[1].at) - Vector2::from(pair[0].at), Vector2::from(pair[0].normal)];
+            // y runs down.
+            along.perp(&right) <= 0.0
+        });
+        assert!(turned.count() * 20 <= sections.len());
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `cross-section measure`.
 
+use super::geometry::{Face, Geometry};
 use super::options::{Options, View};
 use artifact::picture::is_subsampled;
 use artifact::{
@@ -47,8 +48,13 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let mut tally = Tally::default();
     let mut writer = FrameWriter::<Sections>::create(&arguments.out, header)?;
     let mut all: Vec<SectionsFrame> = Vec::with_capacity(frames.len());
+    let mut motion = material.geometry.as_ref().map(Geometry::cursor).transpose()?.flatten();
     for frame in frames {
-        all.push(frame_sections(run, frame, views, params, &mut tally)?);
+        let face = match &material.geometry {
+            Some(geometry) => geometry.face(motion.as_mut(), frame.frame)?.map(|face| (geometry, face)),
+            None => None,
+        };
+        all.push(frame_sections(run, frame, views, face.as_ref(), params, &mut tally)?);
         progress.step();
     }
     for at in wanted.start - halo.start..wanted.end - halo.start {
@@ -90,6 +96,7 @@ fn frame_sections(
     run: &mut Run,
     frame: &Wrinkles2dFrame,
     views: &BTreeMap<String, View>,
+    face: Option<&(&Geometry, Face)>,
     params: &Params,
     tally: &mut Tally,
 ) -> anyhow::Result<SectionsFrame> {
@@ -107,7 +114,10 @@ fn frame_sections(
         }
         let light = view.camera.transfer.light_of_codes();
         let paths: Vec<&Curve2d> = curves.values().collect();
-        let found = run.timed("fit", || ImageSections::of(&picture, &light, &paths, params));
+        let found = {
+            let surface = face.and_then(|(geometry, face)| geometry.surface(camera, face));
+            run.timed("fit", || ImageSections::of(&picture, &light, &paths, surface.as_ref(), params))
+        };
         tally.add(&found);
         let by_wrinkle =
             curves.keys().cloned().zip(found.wrinkles.into_iter().map(|wrinkle| wrinkle.sections));

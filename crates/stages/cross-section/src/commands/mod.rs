@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod geometry;
 mod measure;
 mod options;
 mod show;

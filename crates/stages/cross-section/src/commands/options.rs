@@ -1,5 +1,6 @@
 //! Options that measuring and drawing share.
 
+use super::geometry::{Geometry, GeometryOptions};
 use anyhow::bail;
 use artifact::{FrameReader, Wrinkles2d, Wrinkles2dFrame, Wrinkles2dHeader};
 use cross_section::{Model, Params};
@@ -12,6 +13,8 @@ use std::path::PathBuf;
 pub(crate) struct Options {
     #[command(flatten)]
     source: ImageSource,
+    #[command(flatten)]
+    geometry: GeometryOptions,
     /// Curves of the wrinkles (wrinkles-2d)
     #[arg(long, value_name = "FILE")]
     wrinkles: PathBuf,
@@ -57,6 +60,7 @@ pub(crate) struct Material {
     pub(crate) header: Wrinkles2dHeader,
     pub(crate) frames: Vec<Wrinkles2dFrame>,
     pub(crate) views: BTreeMap<String, View>,
+    pub(crate) geometry: Option<Geometry>,
 }
 
 impl Options {
@@ -92,7 +96,8 @@ impl Options {
         header.take = footage.take.clone().or(header.take);
         let frames = wrinkles.collect::<artifact::Result<Vec<_>>>()?;
         let views = views(&footage, &header.cameras)?;
-        Ok(Material { params, header, frames, views })
+        let geometry = self.geometry.read(run)?;
+        Ok(Material { params, header, frames, views, geometry })
     }
 }
 

@@ -70,7 +70,12 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let picture = image.picture();
     let light = view.camera.transfer.light_of_codes();
     let paths: Vec<&Curve2d> = curves.values().collect();
-    let found = ImageSections::of(&picture, &light, &paths, &material.params);
+    let face = match &material.geometry {
+        Some(geometry) => geometry.face(geometry.cursor()?.as_mut(), number)?.map(|face| (geometry, face)),
+        None => None,
+    };
+    let surface = face.as_ref().and_then(|(geometry, face)| geometry.surface(id, face));
+    let found = ImageSections::of(&picture, &light, &paths, surface.as_ref(), &material.params);
     let albedo = found.albedo;
     let all: Vec<Section> = found.wrinkles.iter().flat_map(|wrinkle| &wrinkle.sections).copied().collect();
     let shown = curves.keys().zip(found.wrinkles).filter_map(|(id, wrinkle)| {
@@ -147,7 +152,7 @@ fn sheet(shown: &[Shown]) -> anyhow::Result<Canvas> {
 }
 
 fn chart(canvas: &mut Canvas, shown: &Shown, place: f64, corner: [usize; 2]) {
-    let Shown { id, painted: Painted { curve, band }, measured } = shown;
+    let Shown { id, painted: Painted { curve, band, .. }, measured } = shown;
     let x = place * curve.len();
     let at = ((measured.sections.len() - 1) as f64 * place).round() as usize;
     let section = &measured.sections[at];

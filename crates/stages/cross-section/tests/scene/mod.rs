@@ -27,6 +27,10 @@ pub(crate) struct Scene {
     /// Share of the light on open paint.
     pub(crate) exposure: f64,
     pub(crate) noise: f64,
+    /// Deviation of the paint's reflectance, in patches of 3 px.
+    pub(crate) texture: f64,
+    /// Curvature of what the groove lies in, 1/px; positive where that is hollow.
+    pub(crate) bend: f64,
     /// How far the curve that is handed over lies off the crease, px.
     pub(crate) off: f64,
 }
@@ -43,10 +47,17 @@ impl Default for Scene {
             paint: [20.0, 18.0],
             exposure: 1.0,
             noise: 0.005,
+            texture: 0.0,
+            bend: 0.0,
             off: 0.0,
         }
     }
 }
+
+/// Size of a patch of uneven paint, px.
+const PATCH: usize = 3;
+/// Bent surroundings run out level from so far on, px.
+const FAR: f64 = 60.0;
 
 /// Height of the crease's line at a column.
 fn line(x: f64) -> f64 {
@@ -59,7 +70,7 @@ impl Scene {
         let scale = self.w / (1.0 - self.epsilon * self.epsilon).sqrt();
         let side = if p < 0.0 { 1.0 - self.kappa } else { 1.0 + self.kappa };
         let u = ((p / (scale * side)).powi(2) + self.epsilon * self.epsilon).sqrt();
-        depth * (u - 1.0) * (-u).exp()
+        depth * (u - 1.0) * (-u).exp() + self.bend * FAR * FAR * (1.0 - (1.0 + (p / FAR).powi(2)).powf(-0.5))
     }
 
     /// Light by the distance in the image from the crease, in steps of a tenth of a pixel from −60 px on; blurred.
@@ -104,9 +115,19 @@ impl Scene {
     pub(crate) fn picture(&self, seed: u64) -> Vec<u8> {
         let light = self.light();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let patches = [SIZE[0] / PATCH + 2, SIZE[1] / PATCH + 2];
+        // A blend of even values keeps about two thirds of their deviation.
+        let patch: Vec<f64> =
+            (0..patches[0] * patches[1]).map(|_| 2.6 * (rng.random::<f64>() * 2.0 - 1.0)).collect();
+        let patchy = |x: usize, y: usize| {
+            let at = |i: usize, j: usize| patch[(y / PATCH + j) * patches[0] + x / PATCH + i];
+            let [u, v] = [x % PATCH, y % PATCH].map(|rest| rest as f64 / PATCH as f64);
+            (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(1, 0)) + v * ((1.0 - u) * at(0, 1) + u * at(1, 1))
+        };
         let mut rgb = Vec::with_capacity(3 * SIZE[0] * SIZE[1]);
         for y in 0..SIZE[1] {
             for x in 0..SIZE[0] {
+                let uneven = 1.0 + self.texture * patchy(x, y);
                 let x = x as f64;
                 let lean = 1.0 + (3.0 / 40.0 * (x / 40.0).cos()).powi(2);
                 // Downwards in the image is the right side of a line that runs to the right.
@@ -116,7 +137,7 @@ impl Scene {
                 let color = if is_painted { PAINT } else { SKIN };
                 for channel in color {
                     let noise = self.noise * (rng.random::<f64>() + rng.random::<f64>() - 1.0) * 2.4;
-                    rgb.push(code(channel * self.exposure * share + noise * 0.34));
+                    rgb.push(code(channel * self.exposure * share * uneven + noise * 0.34));
                 }
             }
         }

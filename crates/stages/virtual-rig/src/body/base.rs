@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::body::expressions::ExpressionSet;
-use crate::body::face::{BISECTED, Near};
+use crate::body::face::{BISECTED, Fineness, Near};
 use crate::body::place::TURN;
 use crate::body::refine::Refinement;
 use crate::body::scan::Scan;
@@ -18,17 +18,18 @@ pub enum Base {
 }
 
 impl Base {
-    /// The face with about `vertex_count` vertices, finer within `near_mm` of the polylines `near` (domain, mm). What has more
-    /// vertices already keeps them all.
+    /// The face with about `vertex_count` vertices, finer along the polylines `near` (domain, mm). What has more vertices
+    /// already keeps them all.
     #[must_use]
-    pub fn body(self, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Body {
+    pub fn body(self, vertex_count: usize, near: &[Vec<Point2<f64>>], fineness: impl Into<Fineness>) -> Body {
+        let fineness = fineness.into();
         match self {
             Self::Scan(Scan { mesh, domain, albedo, face_from_canonical, eyes_are_open, .. }) => {
                 let finer = Finer::of(
                     Points { mesh, domain, albedo, offsets: Vec::new() },
                     vertex_count,
                     near,
-                    near_mm,
+                    fineness,
                 );
                 let Points { mesh, domain, albedo, .. } = finer;
                 let body = Body::from_muscles(mesh, domain, albedo, face_from_canonical);
@@ -37,7 +38,7 @@ impl Base {
             Self::Expressions(ExpressionSet { scan, names, offsets }) => {
                 let Scan { mesh, domain, albedo, face_from_canonical, eyes_are_open, .. } = scan;
                 let Points { mesh, domain, albedo, offsets } =
-                    Finer::of(Points { mesh, domain, albedo, offsets }, vertex_count, near, near_mm);
+                    Finer::of(Points { mesh, domain, albedo, offsets }, vertex_count, near, fineness);
                 let body = Body::from_shapes(mesh, domain, albedo, names, offsets);
                 let body = Body { face_from_canonical, ..body };
                 if eyes_are_open { body.with_eyeballs() } else { body }
@@ -70,8 +71,8 @@ struct Points {
 struct Finer;
 
 impl Finer {
-    fn of(start: Points, vertex_count: usize, lines: &[Vec<Point2<f64>>], reach: f64) -> Points {
-        let near = Near { lines, reach };
+    fn of(start: Points, vertex_count: usize, lines: &[Vec<Point2<f64>>], fineness: Fineness) -> Points {
+        let near = Near { lines, fineness };
         let triangles = start.mesh.triangles();
         let areas = triangle_areas(&start.mesh.positions, &triangles);
         let demand: f64 = areas
@@ -84,7 +85,7 @@ impl Finer {
         let mut refinement = Refinement::of(&mesh);
         let mut positions = mesh.positions.clone();
         loop {
-            let spacings: Vec<f64> = domain.iter().map(|at| spacing * near.factor(*at)).collect();
+            let spacings: Vec<f64> = domain.iter().map(|at| near.spacing(*at, spacing)).collect();
             let first = positions.len();
             if refinement.split_longer(&positions, &spacings) == 0 {
                 break;

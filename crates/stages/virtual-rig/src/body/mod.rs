@@ -14,7 +14,7 @@ pub mod subdivide;
 pub mod texture;
 
 pub use base::Base;
-pub use face::MarkerPlace;
+pub use face::{Fineness, MarkerPlace};
 pub use muscles::MUSCLES;
 pub use props::Prop;
 
@@ -54,11 +54,16 @@ enum Motion {
 }
 
 impl Body {
-    /// The synthetic face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), finer within
-    /// `near_mm` of the polylines `near` (domain, mm). The same arguments give the same body; seed 0 is the average.
+    /// The synthetic face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), finer along the
+    /// polylines `near` (domain, mm). The same arguments give the same body; seed 0 is the average.
     #[must_use]
-    pub fn parametric(seed: u64, vertex_count: usize, near: &[Vec<Point2<f64>>], near_mm: f64) -> Self {
-        let face = Face::refined(seed, vertex_count, near, near_mm);
+    pub fn parametric(
+        seed: u64,
+        vertex_count: usize,
+        near: &[Vec<Point2<f64>>],
+        fineness: impl Into<Fineness>,
+    ) -> Self {
+        let face = Face::refined(seed, vertex_count, near, fineness.into());
         let albedo = face.domain.par_iter().map(|&at| skin::albedo(&face.person, at)).collect();
         let muscles = Muscles::of(&face.person, &face.domain, &Similarity3::identity());
         let props = props::of(&face.person);

@@ -202,12 +202,12 @@ impl<'a, const PARTS: usize> Shader<'a, PARTS> {
         let ramp_px = self.tile.pattern().ramp_px;
         let first = self.dabs.len();
         for touch in self.palette.layers.touching(facet.of_face) {
-            let share =
-                self.palette.layers.share(touch.layer, &weights.spot(per_px, &touch.corners), ramp_px) as f32;
+            let spot = weights.spot(per_px, &touch.corners);
+            let share = self.palette.layers.share(touch.layer, &spot, ramp_px) as f32;
             if share == 0.0 {
                 continue;
             }
-            let paint = self.palette.layers.paint(touch.layer);
+            let paint = self.palette.layers.paint_at(touch.layer, spot.at);
             light = std::array::from_fn(|c| light[c] + share * (paint[c] * irradiance[c] - light[c]));
             self.dabs[first..].iter_mut().for_each(|below| below.share *= 1.0 - share);
             self.dabs.push(Dab { layer: touch.layer, share, place });

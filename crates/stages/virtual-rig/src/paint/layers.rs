@@ -118,6 +118,14 @@ impl Layers {
         }
     }
 
+    /// The paint of a layer at a place in its coordinates.
+    pub(crate) fn paint_at(&self, layer: u32, at: [f64; 2]) -> Paint {
+        match self.strokes.get(layer as usize) {
+            Some(stroke) => stroke.paint_at(at),
+            None => self.paint(layer),
+        }
+    }
+
     /// The layers that may touch a triangle, lowest first.
     #[must_use]
     pub fn touching(&self, triangle: u32) -> &[Touch] {
@@ -287,7 +295,7 @@ fn distance_to_segment([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paint::{GREEN, HalfWidth, Outline};
+    use crate::paint::{GREEN, HalfWidth, Outline, Texture};
 
     type Grid = (Vec<Point3<f64>>, Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
@@ -342,6 +350,7 @@ mod tests {
             range: [0.0, 10.0],
             missing: vec![],
             smear_mm: 0.0,
+            texture: Texture::default(),
         };
         let vertices: Vec<u32> = (0..rest.len() as u32).collect();
         let coordinates = rest.iter().map(|point| [point.x, point.y - 5.0]).collect();

@@ -10,12 +10,14 @@ mod dot;
 mod edge;
 mod layers;
 mod stroke;
+mod texture;
 mod truth;
 
 pub use dot::{Dot, Outline};
 pub(crate) use edge::Spot;
 pub use layers::{Layers, StrokeCoordinates, Touch};
 pub use stroke::{HalfWidth, Stroke};
+pub use texture::Texture;
 pub use truth::{DotSamples, DotView};
 
 /// A paint, linear RGB reflectance.

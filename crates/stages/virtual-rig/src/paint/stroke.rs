@@ -1,7 +1,7 @@
 //! A stroke of wrinkle paint.
 
-use super::Paint;
 use super::edge::{Edge, Softness, Spot, share_between};
+use super::{Paint, Texture};
 
 /// A half-width that changes linearly between knots along the line and is constant beyond the outer ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,9 +70,22 @@ pub struct Stroke {
     pub missing: Vec<[f64; 2]>,
     /// Over which width its edges fade, mm; 0 is sharp. The paint covers half in the middle of the fading.
     pub smear_mm: f64,
+    /// How uneven it is.
+    pub texture: Texture,
 }
 
 impl Stroke {
+    /// The paint at a place (x, p), mm.
+    pub(crate) fn paint_at(&self, at: [f64; 2]) -> Paint {
+        match self.texture.deviation {
+            0.0 => self.paint,
+            _ => {
+                let factor = self.texture.factor(at) as f32;
+                self.paint.map(|channel| channel * factor)
+            }
+        }
+    }
+
     /// The share of a sample's footprint that the stroke covers, times the paint's opacity.
     pub(crate) fn share(&self, spot: &Spot, ramp_px: f64) -> f64 {
         let softness = Softness { ramp_px, smear_mm: self.smear_mm };
@@ -131,6 +144,7 @@ mod tests {
             range: [-5.0, 20.0],
             missing: vec![[12.0, 14.0]],
             smear_mm,
+            texture: Texture::default(),
         }
     }
 

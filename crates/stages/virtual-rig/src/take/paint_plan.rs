@@ -23,9 +23,12 @@ pub struct PaintPlan {
     pub smear_mm: f64,
     /// Share of a stroke's length where the paint is gone.
     pub missing: f64,
-    /// Uneven cover of strokes: 0, since none is simulated; missing paint is.
+    /// Uneven paint of strokes: standard deviation of their reflectance, as a share of it.
     pub texture: f64,
 }
+
+/// More uneven paint would have darker places than black.
+const MOST_TEXTURE: f64 = 0.2;
 
 impl Default for PaintPlan {
     fn default() -> Self {
@@ -67,8 +70,8 @@ impl PaintPlan {
         if !share(self.missing) {
             return wrong("missing", "is a share from 0 to 1");
         }
-        if self.texture != 0.0 {
-            return wrong("texture", "uneven cover is not simulated; say 0");
+        if !(0.0..=MOST_TEXTURE).contains(&self.texture) {
+            return wrong("texture", "is a share from 0 to 0.2");
         }
         if self.stroke_colors.len() < 2 {
             return wrong("stroke_colors", "name at least two colours: neighbouring wrinkles take turns");

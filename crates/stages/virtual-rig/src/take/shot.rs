@@ -22,8 +22,14 @@ pub struct Set {
     open: Vec<Point3<f64>>,
     close: Option<Vec<Point3<f64>>>,
     props: Vec<Piece>,
-    /// Light on the skin for wrinkle cameras.
-    close_light: Option<Vec<[f32; 3]>>,
+    /// For wrinkle cameras: the light on the skin, and the skin to cast rays at.
+    close_look: Option<CloseLook>,
+}
+
+/// The skin at the middle of an exposure, looked at closely.
+struct CloseLook {
+    light: Vec<[f32; 3]>,
+    scene: light::Scene,
 }
 
 /// A prop in the world, when the shutter opens and closes.
@@ -44,6 +50,13 @@ const WHOLE: f32 = 1.0 - 1e-4;
 /// The gain rises and falls once in so many seconds.
 const GAIN_PERIOD_S: f64 = 4.0;
 
+impl Set {
+    /// The skin to cast rays at, where it is looked at closely.
+    pub(super) fn close_scene(&self) -> Option<&light::Scene> {
+        self.close_look.as_ref().map(|look| &look.scene)
+    }
+}
+
 impl Studio {
     /// Sets up what cameras see around `time_s` with shutters that are open for `exposure_s`; `close_look`: for wrinkle
     /// cameras, with the light traced from this moment's skin.
@@ -60,20 +73,21 @@ impl Studio {
             false => (skin_in_world.clone(), None),
         };
         let normals = vertex_normals(&skin_in_world, &self.body.triangles);
-        let close_light = close_look.then(|| {
+        let close_look = close_look.then(|| {
             let surface = light::Surface {
                 positions: &skin_in_world,
                 normals: &normals,
                 triangles: &self.body.triangles,
             };
             let scene = light::Scene::build(&skin_in_world, &self.body.triangles, &[]);
-            light::shade(&scene, &surface, &self.plan, &self.body.albedo, &self.scenario.light)
+            let light = light::shade(&scene, &surface, &self.plan, &self.body.albedo, &self.scenario.light);
+            CloseLook { light, scene }
         });
         let props = self.props(time_s, exposure_s);
         let middle = close.is_some().then_some(&skin_in_world[..]);
         let mean_skin =
             Moment { open: &open, close: close.as_deref(), middle, normals: &[], irradiance: &[] }.mean();
-        Set { pose, skin_in_world, normals, mean_skin, open, close, props, close_light }
+        Set { pose, skin_in_world, normals, mean_skin, open, close, props, close_look }
     }
 
     /// Exposes an image of a set: linear light, before lens blur and noise.
@@ -81,8 +95,8 @@ impl Studio {
     /// # Errors
     /// [`Error::Parameter`] if the film's parameters make no sense.
     pub fn expose(&self, set: &Set, station: &Station) -> Result<Exposure, Error> {
-        let wrinkle = set.close_light.as_ref().filter(|_| station.role == Role::Wrinkle);
-        let irradiance = wrinkle.unwrap_or(&self.baked);
+        let wrinkle = set.close_look.as_ref().filter(|_| station.role == Role::Wrinkle);
+        let irradiance = wrinkle.map_or(&self.baked, |look| &look.light);
         let face = Solid {
             skin: Skin { triangles: &self.body.triangles, albedo: &self.body.albedo },
             moment: Moment {

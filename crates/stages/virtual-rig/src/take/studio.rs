@@ -2,10 +2,10 @@
 
 use crate::Error;
 use crate::act::{Clip, Performance};
-use crate::body::{Base, Body};
+use crate::body::{Base, Body, Fineness};
 use crate::clock::Schedule;
 use crate::light::{self, Plan};
-use crate::paint::{Dot, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates};
+use crate::paint::{Dot, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates, Texture};
 use crate::scenario::{self, Scenario};
 use crate::take::headband::Headband;
 use crate::take::station::{Station, stations};
@@ -57,9 +57,10 @@ impl Studio {
         scenario.validate()?;
         let lines = wrinkle::lines(scenario.seed, &scenario.lines);
         let paths: Vec<Vec<Point2<f64>>> = lines.iter().map(|line| line.path.clone()).collect();
+        let fineness = Fineness { reach_mm: FINE_REACH_MM, crease_mm: scenario.crease_mm };
         let body = match given.base {
-            Some(base) => base.body(scenario.vertices, &paths, FINE_REACH_MM),
-            None => Body::parametric(scenario.seed, scenario.vertices, &paths, FINE_REACH_MM),
+            Some(base) => base.body(scenario.vertices, &paths, fineness),
+            None => Body::parametric(scenario.seed, scenario.vertices, &paths, fineness),
         };
         let body = body.with_pores(scenario.pores_mm);
         let rest = &body.mesh.positions;
@@ -249,6 +250,7 @@ fn strokes(scenario: &Scenario, wrinkles: &Wrinkles) -> Vec<(Stroke, StrokeCoord
             range,
             missing,
             smear_mm: plan.smear_mm,
+            texture: Texture { deviation: plan.texture, seed: scenario.seed ^ (0x7e_0000 + number as u64) },
         };
         (stroke, places)
     };

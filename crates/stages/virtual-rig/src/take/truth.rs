@@ -1,12 +1,13 @@
 //! What is true of an image: where its paint is, where its valleys run.
 
 use crate::film::Exposure;
+use crate::light::Scene;
 use crate::take::headband::BALL_MM;
 use crate::take::{Role, Set, Station, Studio};
 use crate::wrinkle::ValleyPoint;
 use artifact::{Curve2d, CurveState, Sample2d, Section, SectionState, TrackState};
 use camera::Camera;
-use nalgebra::{Point2, Point3, Vector2};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 use std::collections::BTreeMap;
 
 /// What is true of one image.
@@ -15,9 +16,10 @@ pub struct ImageTruth {
     /// Per marker the centroid of its visible paint. Seen: less than 70° to the view, and at least 60 % of its paint
     /// unhidden; `predicted` stands for paint of which less is seen. Confidence is the unhidden share.
     pub tracks: Vec<Option<Sample2d>>,
-    /// Valley curves by wrinkle, as far as the camera sees them; wrinkle cameras only.
+    /// Valley curves by wrinkle, as far as the camera sees their bottoms; wrinkle cameras only.
     pub curves: BTreeMap<String, Curve2d>,
-    /// Their sections: width and depth as image lengths; wrinkle cameras only.
+    /// Their sections: width and depth as image lengths, and the tilt of the view on the skin without wrinkles: what is near to being
+    /// hidden by its own wall has a large one; wrinkle cameras only.
     pub sections: BTreeMap<String, Vec<Section>>,
     /// Per pixel the share that wrinkle paint covers, and the stroke that covers most; wrinkle cameras only.
     pub coverage: Vec<(f32, u32)>,
@@ -31,6 +33,8 @@ const LEAST_SEEN: f64 = 0.6;
 const DEPTH_TOLERANCE_MM: f64 = 0.2;
 /// Distance of sections along a valley in the image, px, about.
 const SECTION_PX: f64 = 2.0;
+/// Rays to a camera start so far above a valley's bottom, mm: beyond the facets that meet there.
+const LIFT_MM: f64 = 0.02;
 /// Points that a valley curve needs in an image.
 const LEAST_POINTS: usize = 6;
 
@@ -56,7 +60,8 @@ impl Studio {
         if station.role == Role::Wrinkle {
             truth.coverage = self.coverage(exposure);
             for valley in &set.pose.valleys {
-                let line = self.seen_valley(set, &valley.points, camera, &sees);
+                let sees_bottom = |point: &ValleyPoint| self.sees_bottom(set, point, camera);
+                let line = self.seen_valley(set, &valley.points, camera, &sees, sees_bottom);
                 if line.len() >= LEAST_POINTS {
                     truth.sections.insert(valley.id.clone(), line.iter().map(|seen| seen.section).collect());
                     truth.curves.insert(valley.id.clone(), curve(&line));
@@ -90,19 +95,22 @@ impl Studio {
         points: &[ValleyPoint],
         camera: &Camera,
         sees: &impl Fn(&Point3<f64>, Vector2<f64>) -> bool,
+        sees_bottom: impl Fn(&ValleyPoint) -> bool,
     ) -> Vec<Seen> {
         let world =
             |point: Point3<f64>| set.pose.world_from_head * self.scenario.spaces.mocap_from_face(point);
+        let eye = camera.eye_in_world();
         let mut line: Vec<Seen> = Vec::new();
         for point in points {
             let bottom = world(point.at);
             let Some(pixel) = camera.project(&bottom).filter(|pixel| camera.contains(*pixel)) else {
                 continue;
             };
-            // A deep valley hides its own bottom before it hides its rim: the rim decides.
             let rim = world(point.surface_point);
             let is_seen = camera.project(&rim).is_some_and(|at| camera.contains(at) && sees(&rim, at));
-            if !is_seen || line.last().is_some_and(|last| (last.pixel - pixel).norm() < SECTION_PX) {
+            let is_near = line.last().is_some_and(|last| (last.pixel - pixel).norm() < SECTION_PX);
+            // What the image shows hides props too; that a wall hides the bottom behind it is finer than a pixel.
+            if !is_seen || is_near || !sees_bottom(point) {
                 continue;
             }
             // The width is a length on the surface: half of what lies between the crossings on both sides.
@@ -110,13 +118,30 @@ impl Studio {
                 |sign: f64| camera.project(&world(point.surface_point + point.across * (sign * point.w_mm)));
             let (Some(left), Some(right)) = (side(-1.0), side(1.0)) else { continue };
             let width = 0.5 * (right - left);
-            line.push(Seen { pixel, section: section(point, pixel, width) });
+            let tilt_rad = tilt(
+                &(eye - rim),
+                &[point.normal, point.across].map(|axis| world(point.surface_point + axis) - rim),
+            );
+            line.push(Seen { pixel, section: section(point, pixel, width, tilt_rad) });
         }
         let count = line.len().max(2) - 1;
         for (number, seen) in line.iter_mut().enumerate() {
             seen.section.u = number as f64 / count as f64;
         }
         line
+    }
+
+    /// Whether nothing of the wrinkled skin lies between a camera and the skin at a valley's bottom.
+    fn sees_bottom(&self, set: &Set, point: &ValleyPoint, camera: &Camera) -> bool {
+        let Some(scene) = set.close_scene() else { return true };
+        let corners =
+            self.body.triangles[point.triangle as usize].map(|vertex| set.skin_in_world[vertex as usize]);
+        let bottom: Vector3<f64> =
+            corners.iter().zip(point.barycentric).map(|(corner, share)| corner.coords * share).sum();
+        let up = self.scenario.spaces.mocap_from_face(point.surface_point + point.normal)
+            - self.scenario.spaces.mocap_from_face(point.surface_point);
+        let from = Point3::from(bottom + set.pose.world_from_head * up.normalize() * LIFT_MM);
+        is_open(scene, &from, &camera.eye_in_world())
     }
 
     /// Centroids of all markers on the face and centres of the balls in the world, mm, at a set's moment.
@@ -156,10 +181,21 @@ fn ball_in_image(
     sees(&front, pixel).then(|| sample(pixel, 1.0, true))
 }
 
-fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Section {
+/// Whether nothing of a scene lies between two places.
+fn is_open(scene: &Scene, from: &Point3<f64>, to: &Point3<f64>) -> bool {
+    !scene.occluded(from, &(to - from), 1.0)
+}
+
+/// The angle by which a view leans across a valley, rad, positive towards p > 0; `axes`: the skin's normal, and across.
+fn tilt(view: &Vector3<f64>, [normal, across]: &[Vector3<f64>; 2]) -> f64 {
+    view.dot(across).atan2(view.dot(normal))
+}
+
+fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>, tilt_rad: f64) -> Section {
     let (epsilon, kappa) = point.profile.shape.rounding();
     let w_px = width.norm();
-    let normal = width / w_px.max(1e-12);
+    // The rig's p > 0 is the left side, that of sections the right one.
+    let normal = -width / w_px.max(1e-12);
     let ratio = if point.w_mm > 0.0 { point.d_mm / point.w_mm } else { 0.0 };
     Section {
         u: 0.0,
@@ -169,7 +205,7 @@ fn section(point: &ValleyPoint, pixel: Vector2<f64>, width: Vector2<f64>) -> Sec
         d_px: ratio * w_px,
         epsilon,
         kappa: 0.0 - kappa,
-        tilt_rad: None,
+        tilt_rad: Some(0.0 - tilt_rad),
         deviation: None,
         residual: None,
         state: if point.d_mm > 0.0 { SectionState::Measured } else { SectionState::Flat },
@@ -219,6 +255,7 @@ impl ImageTruth {
             // Left and right of the line change places.
             section.normal[1] = -section.normal[1];
             section.kappa = 0.0 - section.kappa;
+            section.tilt_rad = section.tilt_rad.map(|tilt| 0.0 - tilt);
         }
     }
 }
@@ -244,7 +281,7 @@ mod tests {
             compression: 1.0,
             uptake: 1.0,
         };
-        Seen { pixel, section: section(&point, pixel, Vector2::new(0.0, 4.0)) }
+        Seen { pixel, section: section(&point, pixel, Vector2::new(0.0, 4.0), 0.3) }
     }
 
     #[test]
@@ -270,6 +307,7 @@ mod tests {
         };
         truth.mirror(100);
         let section = truth.sections["fold"][0];
-        assert_eq!((section.at, section.normal), ([89.0, 5.0], [0.0, -1.0]));
+        assert_eq!((section.at, section.normal), ([89.0, 5.0], [0.0, 1.0]));
+        assert_eq!(section.tilt_rad, Some(0.3));
     }
 }

@@ -33,6 +33,7 @@ fn painted_face(vertex_count: usize) -> (Thing, Layers) {
                 range: [-38.0, 38.0],
                 missing: vec![[10.0, 13.0]],
                 smear_mm,
+                texture: virtual_rig::paint::Texture::default(),
             };
             let near = |vertex: &u32| (thing.open[*vertex as usize].y - height).abs() < 12.0;
             let vertices: Vec<u32> = (0..thing.open.len() as u32).filter(near).collect();

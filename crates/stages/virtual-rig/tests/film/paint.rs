@@ -6,10 +6,14 @@ use camera::{Camera, Lens};
 use nalgebra::{Point3, Vector2, Vector3};
 use testkit::shapes;
 use virtual_rig::film::{Film, Gloss, Scene, expose};
-use virtual_rig::paint::{BLUE, GREEN, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates};
+use virtual_rig::paint::{BLUE, GREEN, HalfWidth, Layers, Outline, Stroke, StrokeCoordinates, Texture};
 
 /// A stroke along x in the middle of a grid of 40 mm, and a dot on it.
 fn stroke_and_dot(grid: &Thing, missing: Vec<[f64; 2]>) -> Layers {
+    textured(grid, missing, Texture::default())
+}
+
+fn textured(grid: &Thing, missing: Vec<[f64; 2]>, texture: Texture) -> Layers {
     let stroke = Stroke {
         id: "w1".to_string(),
         paint: GREEN,
@@ -18,6 +22,7 @@ fn stroke_and_dot(grid: &Thing, missing: Vec<[f64; 2]>) -> Layers {
         range: [5.0, 35.0],
         missing,
         smear_mm: 0.0,
+        texture,
     };
     let vertices: Vec<u32> = (0..grid.open.len() as u32).collect();
     let coordinates = grid.open.iter().map(|point| [point.x, point.y - 20.0]).collect();
@@ -85,4 +90,23 @@ fn gloss_shines_on_skin_and_not_on_paint() {
     let light = |column: usize| exposure.radiance[15 * 41 + column][0];
     assert!((light(20) - 0.8).abs() < 0.01, "the camera is at the key light: {}", light(20));
     assert!((light(14) - 0.3 - 0.5 * 0.8_f32.powi(8)).abs() < 0.01);
+}
+
+#[test]
+fn uneven_paint_is_as_bright_on_average() {
+    let grid = Thing::of(&shapes::grid(40, 1.0));
+    let mean = |deviation: f64| {
+        let layers = textured(&grid, vec![], Texture { deviation, seed: 3 });
+        let exposure = shot(&above_the_grid(), &grid, &layers, &[]);
+        let whole = exposure.covers.iter().filter(|cover| cover.layer == 0 && cover.share > 0.999);
+        let lights: Vec<f64> =
+            whole.map(|cover| f64::from(exposure.radiance[cover.pixel as usize][1])).collect();
+        let mean = lights.iter().sum::<f64>() / lights.len() as f64;
+        let square =
+            lights.iter().map(|light| (light / mean - 1.0).powi(2)).sum::<f64>() / lights.len() as f64;
+        [mean, square.sqrt()]
+    };
+    let ([even, none], [uneven, some]) = (mean(0.0), mean(0.02));
+    assert!((uneven / even - 1.0).abs() < 0.004 && none < 1e-4, "{even} {uneven} {none}");
+    assert!((0.012..0.024).contains(&some), "{some}");
 }

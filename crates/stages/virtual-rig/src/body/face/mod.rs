@@ -7,6 +7,7 @@ pub(super) mod outline;
 mod person;
 pub(super) mod profile;
 mod refined;
+pub use refined::Fineness;
 pub(super) use refined::{BISECTED, Near};
 mod sampling;
 pub(super) mod skin;

@@ -24,14 +24,14 @@ impl Face {
         seed: u64,
         vertex_count: usize,
         lines: &[Vec<Point2<f64>>],
-        reach: f64,
+        fineness: Fineness,
     ) -> Self {
         let wanted = vertex_count.clamp(500, 1_500_000);
         if lines.is_empty() && wanted <= SAMPLED {
             return Self::new(seed, wanted).in_order();
         }
         let base = Self::new(seed, SAMPLED.min((SAMPLED_SHARE * wanted as f64) as usize));
-        let near = Near { lines, reach };
+        let near = Near { lines, fineness };
         let mut spacing = BISECTED * (base.demand(&near) / wanted as f64).sqrt();
         let mut best = Growth::of(&base, &near, spacing);
         for _ in 1..MAX_TRIALS {
@@ -67,7 +67,7 @@ impl Growth {
     fn of(base: &Face, near: &Near, spacing: f64) -> Self {
         let mut refinement = Refinement::of(&base.mesh);
         let (mut domain, mut positions) = (base.domain.clone(), base.mesh.positions.clone());
-        let wanted = |at: &Point2<f64>| spacing * near.factor(*at);
+        let wanted = |at: &Point2<f64>| near.spacing(*at, spacing);
         let mut spacings: Vec<f64> = domain.par_iter().map(wanted).collect();
         while refinement.split_longer(&positions, &spacings) > 0 {
             let first = domain.len() - base.domain.len();
@@ -85,16 +85,53 @@ impl Growth {
 pub(in crate::body) struct Near<'a> {
     /// Domain, mm.
     pub(in crate::body) lines: &'a [Vec<Point2<f64>>],
-    /// mm.
-    pub(in crate::body) reach: f64,
+    pub(in crate::body) fineness: Fineness,
 }
+
+/// Finer triangles along lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fineness {
+    /// So far from a line triangles are finer, mm.
+    pub reach_mm: f64,
+    /// Length of edges on the line itself, mm, so that a sharp crease is not cut off; 0: as beside it.
+    pub crease_mm: f64,
+}
+
+impl From<f64> for Fineness {
+    /// Finer triangles that reach so far, mm.
+    fn from(reach_mm: f64) -> Self {
+        Self { reach_mm, crease_mm: 0.0 }
+    }
+}
+
+/// From so many edges' lengths off the crease on, edges may get longer …
+const CREASE_EDGES: f64 = 2.0;
+/// … by this share of the distance.
+const CREASE_GROWTH: f64 = 0.25;
 
 impl Near<'_> {
     /// Wanted spacing relative to the one far from all lines: constant within half the reach, rising to its end.
     pub(in crate::body) fn factor(&self, at: Point2<f64>) -> f64 {
-        let distance = self.lines.iter().map(|line| self.distance(line, at)).fold(f64::INFINITY, f64::min);
-        let share = (2.0 * distance / self.reach - 1.0).clamp(0.0, 1.0);
+        self.factor_at(self.nearest(at))
+    }
+
+    fn factor_at(&self, distance: f64) -> f64 {
+        let share = (2.0 * distance / self.fineness.reach_mm - 1.0).clamp(0.0, 1.0);
         (1.0 + (FINER - 1.0) * share) / FINER
+    }
+
+    /// Wanted spacing where that far from all lines is `far`, mm.
+    pub(in crate::body) fn spacing(&self, at: Point2<f64>, far: f64) -> f64 {
+        let distance = self.nearest(at);
+        let wanted = far * self.factor_at(distance);
+        match self.fineness.crease_mm {
+            0.0 => wanted,
+            least => wanted.min(least + CREASE_GROWTH * (distance - CREASE_EDGES * least).max(0.0)),
+        }
+    }
+
+    fn nearest(&self, at: Point2<f64>) -> f64 {
+        self.lines.iter().map(|line| self.distance(line, at)).fold(f64::INFINITY, f64::min)
     }
 
     /// Distance to a polyline; infinite when it is surely beyond reach.
@@ -103,8 +140,8 @@ impl Near<'_> {
             let apart = |bound: fn(f64, f64) -> f64, start: f64| {
                 line.iter().map(|point| point[axis]).fold(start, bound)
             };
-            at[axis] < apart(f64::min, f64::INFINITY) - self.reach
-                || at[axis] > apart(f64::max, f64::NEG_INFINITY) + self.reach
+            at[axis] < apart(f64::min, f64::INFINITY) - self.fineness.reach_mm
+                || at[axis] > apart(f64::max, f64::NEG_INFINITY) + self.fineness.reach_mm
         };
         if beyond(0) || beyond(1) {
             return f64::INFINITY;
