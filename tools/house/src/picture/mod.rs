@@ -18,13 +18,15 @@ const MARGIN: f64 = 24.0;
 /// Half the size of a box.
 const HALF_WIDTH: f64 = 66.0;
 const HALF_HEIGHT: f64 = 15.0;
+/// Distance of the lines below a box.
+const NOTE: f64 = 12.0;
 
 const STYLE: &str = "text{font:13px ui-sans-serif,Helvetica,Arial,sans-serif;fill:#1d2733;text-anchor:middle}\
     .stage rect{fill:#1f5f8b;stroke:#163f5c}.stage text{fill:#fff;font-weight:600}\
     .kind rect{fill:#f3ead7;stroke:#b99b62}\
     path{fill:none;stroke:#6b7886;stroke-width:1.5;marker-end:url(#tip)}\
     .edits{stroke-dasharray:5 3;marker-start:url(#tip)}.feedback{stroke-dasharray:2 3}\
-    .note{fill:#55616e;text-anchor:start}";
+    .note{fill:#55616e;text-anchor:start}.afar{font-size:10.5px;fill:#55616e}";
 
 /// The picture of the stages, in the order given.
 pub(crate) fn draw(stages: &[&Crate]) -> String {
@@ -36,7 +38,7 @@ pub(crate) fn draw(stages: &[&Crate]) -> String {
     let height = bottom + if inspecting.is_empty() { 0.0 } else { MARGIN };
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-         height=\"{height:.0}\" role=\"img\">\n<title>Stages (blue) and the artifacts they read and write</title>\n\
+         height=\"{height:.0}\" role=\"img\">\n<title>Stages (blue) and the artifacts they read and write; with a +, those that come from farther away</title>\n\
          <style>{STYLE}</style>\n<defs><marker id=\"tip\" viewBox=\"0 0 8 8\" refX=\"7\" refY=\"4\" \
          markerWidth=\"7\" markerHeight=\"7\" orient=\"auto-start-reverse\"><path d=\"M0 0L8 4L0 8z\" \
          style=\"fill:#6b7886;stroke:none;marker-end:none\"/></marker></defs>\n\
@@ -75,6 +77,10 @@ fn draw_node(svg: &mut String, node: &Node) {
         2.0 * HALF_HEIGHT,
         y + 4.5
     );
+    for (line, note) in node.notes.iter().enumerate() {
+        let below = y + HALF_HEIGHT + NOTE * (line + 1) as f64;
+        let _ = writeln!(svg, "<text class=\"afar\" x=\"{x:.0}\" y=\"{below:.0}\">{note}</text>");
+    }
 }
 
 /// A smooth line from the right side of one box, through the gaps it passes, to the left side of another.
@@ -115,6 +121,23 @@ mod tests {
         assert_eq!(svg.matches("class=\"edits\"").count(), 1);
         assert!(svg.contains("to look at artifacts: diff"));
         assert_eq!(svg, draw(&stages));
+    }
+
+    #[test]
+    fn what_comes_from_afar_is_named_and_strips_are_cut_before_a_stage() {
+        let kinds: Vec<String> = (0..9).map(|i| format!("k{i}")).collect();
+        let chain = |i: usize| stage(&format!("s{i}"), &[&kinds[i], "k0"], &[&kinds[i + 1]]);
+        let stages: Vec<Crate> = (0..8).map(chain).collect();
+        let stages: Vec<&Crate> = stages.iter().collect();
+        let layout = Layout::of(&stages);
+        let notes = |name: &str| {
+            let mut nodes = layout.nodes.iter();
+            nodes.find(|node| node.name.as_deref() == Some(name)).map(|node| node.notes.clone())
+        };
+        assert_eq!(notes("s1"), Some(vec![]), "a line reaches so far");
+        assert_eq!(notes("s4"), Some(vec!["+ k0".to_string()]));
+        assert_eq!(notes("s6"), Some(vec!["+ k6, k0".to_string()]), "the first stage of the second strip");
+        assert_eq!(layout.columns, 13);
     }
 
     #[test]
