@@ -6,6 +6,8 @@ import json
 
 import numpy as np
 
+from _takes import make
+
 # The definitions of region_error_ratio, bulge_height_rel and outside_moved stand in `virtual_rig::score::wrinkled`.
 SCORES = {"region_error_ratio": (0.40, "ratio"), "bulge_height_rel": (0.30, "ratio"), "outside_moved": (0.0, "mm")}
 REPORTED = ("region_rms_mm", "region_raw_ratio", "valley_depth_rel")
@@ -18,13 +20,10 @@ def metric(name, value, target, better, unit, **context):
 # ---- takes and artifacts -------------------------------------------------------------------------------------------
 
 
-def true_take(ctx, seed, *options, name="truth"):
+def true_take(ctx, seed, *options, name="short"):
     """Truth without images: scan, surfaces with and without wrinkles, valleys; kept outside the repository."""
-    folder = ctx.cache / f"shell-synth-{name}-{seed}"
-    if not (folder / "truth" / "wrinkled.json").exists():
-        ctx.run([ctx.binary("virtual-rig"), "make", "--scenario", "standard", "--seed", seed, "--length", "short", "--no-footage",
-                 "--no-calibration", *options, "--out", folder])
-    return folder
+    return make(ctx, f"truth-{name}-{seed}", "--scenario", "standard", "--seed", seed, "--length", "short", "--no-footage",
+                "--no-calibration", *options)
 
 
 def read_lines(path):
