@@ -39,7 +39,7 @@ pub struct Scenario {
     #[serde(default)]
     pub pores_mm: f64,
     /// Length of edges along the wrinkles' lines, mm, so that sharp creases are not cut off; 0: as beside them.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default)]
     pub crease_mm: f64,
     /// How the recording differs from the scan.
     #[serde(default)]
@@ -90,11 +90,6 @@ pub struct Scenario {
     /// What goes wrong, one by one.
     #[serde(default)]
     pub faults: Vec<Fault>,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
-fn is_zero(x: &f64) -> bool {
-    *x == 0.0
 }
 
 fn whole() -> f64 {

@@ -69,9 +69,9 @@ fn is_one_manifold_piece_with_eyes_and_mouth_cut_out() {
 #[test]
 fn creases_have_edges_as_short_as_is_wanted() {
     let fineness = Fineness { reach_mm: 6.0, crease_mm: 0.25 };
-    let body = Body::parametric(1, 30_000, &lines(), fineness);
+    let body = Body::parametric(1, 60_000, &lines(), fineness);
     assert_sound(&body.mesh);
-    let off = (body.mesh.positions.len() as f64 / 30_000.0 - 1.0).abs();
+    let off = (body.mesh.positions.len() as f64 / 60_000.0 - 1.0).abs();
     assert!(off < 0.1, "{} made", body.mesh.positions.len());
     let on_line = |at: Point2<f64>| {
         let near = |pair: &[Point2<f64>]| (at - pair[0]).norm().min((at - pair[1]).norm()) < 0.3;

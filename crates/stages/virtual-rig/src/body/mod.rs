@@ -54,8 +54,8 @@ enum Motion {
 }
 
 impl Body {
-    /// The synthetic face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), finer along the
-    /// polylines `near` (domain, mm). The same arguments give the same body; seed 0 is the average.
+    /// The synthetic face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %, or as many as creases
+    /// need), finer along the polylines `near` (domain, mm). The same arguments give the same body; seed 0 is the average.
     #[must_use]
     pub fn parametric(
         seed: u64,

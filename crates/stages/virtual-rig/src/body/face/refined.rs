@@ -18,8 +18,8 @@ const MAX_TRIALS: usize = 8;
 pub(in crate::body) const BISECTED: f64 = 1.45;
 
 impl Face {
-    /// The face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %), evenly spaced but for
-    /// eyes, mouth and the surroundings of `lines` (domain, mm).
+    /// The face of a seed with about `vertex_count` vertices (500 to 1 500 000, within 10 %, or as many as creases need), evenly
+    /// spaced but for eyes, mouth and the surroundings of `lines` (domain, mm).
     pub(in crate::body) fn refined(
         seed: u64,
         vertex_count: usize,
@@ -32,16 +32,28 @@ impl Face {
         }
         let base = Self::new(seed, SAMPLED.min((SAMPLED_SHARE * wanted as f64) as usize));
         let near = Near { lines, fineness };
+        // What stands there however far apart all else is: the sampler's vertices, and those that creases need.
+        let held = match fineness.crease_mm {
+            0.0 => base.mesh.positions.len(),
+            _ => Growth::of(&base, &near, f64::INFINITY).positions.len(),
+        };
         let mut spacing = BISECTED * (base.demand(&near) / wanted as f64).sqrt();
         let mut best = Growth::of(&base, &near, spacing);
+        // Spacings that gave too many vertices and too few.
+        let (mut narrow, mut wide) = (None, None);
         for _ in 1..MAX_TRIALS {
             let excess = best.positions.len() as f64 / wanted as f64;
             if (excess - 1.0).abs() < TOLERANCE {
                 break;
             }
-            // As many vertices as the spacing squared says, but for those that the sampler has already placed.
-            let placed = (base.mesh.positions.len() as f64 / wanted as f64).min(0.9 * excess.min(1.0));
-            spacing *= ((excess - placed) / (1.0 - placed)).sqrt().clamp(0.5, 2.0);
+            // As many vertices as the spacing squared says, but for those that are held.
+            let placed = (held as f64 / wanted as f64).min(0.9 * excess.min(1.0));
+            *(if excess > 1.0 { &mut narrow } else { &mut wide }) = Some(spacing);
+            spacing = match (narrow, wide) {
+                // Around creases spacing says less: go to the middle.
+                (Some(narrow), Some(wide)) if fineness.crease_mm > 0.0 => f64::sqrt(narrow * wide),
+                _ => spacing * ((excess - placed) / (1.0 - placed)).sqrt().clamp(0.5, 2.0),
+            };
             best = Growth::of(&base, &near, spacing);
         }
         let mesh = best.refinement.mesh(&base.mesh, best.positions);
