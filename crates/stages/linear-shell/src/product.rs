@@ -98,17 +98,20 @@ impl Job<'_> {
     fn by_tiles<S: Simd, const R: usize>(self, simd: S) {
         let Self { product: Product { coefficients, width, .. }, basis, products } = self;
         let handles = coefficients.len() / width;
-        let tiles = products.chunks_mut(R * width).zip(basis.chunks(R * handles));
-        for (products, basis) in tiles {
+        let tiles = products.chunks_mut(R * width).zip(basis.chunks(R * handles)).enumerate();
+        for (number, (products, rows)) in tiles {
+            // A glance at the tile after the next has the memory fetch it meanwhile.
+            let ahead = basis.get((number + 2) * R * handles..).unwrap_or_default();
+            ahead.iter().take(R * handles).step_by(LANES).for_each(|value| {
+                std::hint::black_box(*value);
+            });
             let mut column = 0;
             while column < *width {
                 let left = (width - column) / S::F32_LANES;
                 let step = match (left >= VECTORS, products.len() == R * width) {
-                    (true, true) => {
-                        tile::<S, R, VECTORS>(simd, coefficients, *width, column, basis, products)
-                    }
-                    (false, true) => tile::<S, R, 1>(simd, coefficients, *width, column, basis, products),
-                    (_, false) => rows_left(simd, coefficients, *width, column, basis, products),
+                    (true, true) => tile::<S, R, VECTORS>(simd, coefficients, *width, column, rows, products),
+                    (false, true) => tile::<S, R, 1>(simd, coefficients, *width, column, rows, products),
+                    (_, false) => rows_left(simd, coefficients, *width, column, rows, products),
                 };
                 column += step;
             }
