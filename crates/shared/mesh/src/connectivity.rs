@@ -1,5 +1,6 @@
 //! What lies beside what: edges, boundary loops, components, and the places where a surface is not a manifold.
 
+use crate::forest::Forest;
 use std::collections::HashMap;
 
 /// An edge and the triangles on it.
@@ -210,27 +211,4 @@ fn sorted_ends(triangles: &[[u32; 3]], side: u32) -> [u32; 2] {
 
 fn next_in_triangle(side: u32) -> u32 {
     side - side % 3 + (side + 1) % 3
-}
-
-/// Disjoint sets whose representative is their lowest member.
-struct Forest(Vec<u32>);
-
-impl Forest {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn root(&mut self, of: u32) -> u32 {
-        let mut at = of;
-        while self.0[at as usize] != at {
-            self.0[at as usize] = self.0[self.0[at as usize] as usize];
-            at = self.0[at as usize];
-        }
-        at
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }

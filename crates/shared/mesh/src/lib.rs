@@ -5,7 +5,8 @@
 //! drops or reorders vertices except [`Mesh::keep_faces`], which says how.
 //!
 //! Methods see triangles: [`Mesh::triangles`] splits each polygon as a fan from its first corner, and
-//! [`Connectivity`] answers what lies beside what; [`openings()`] tells a mouth and eyes from the rims of the scan.
+//! [`Connectivity`] answers what lies beside what; [`openings()`] tells a mouth and eyes from the rims of the scan; [`RayTree`] says
+//! what a ray meets.
 //!
 //! ```
 //! use mesh::{Connectivity, Mesh};
@@ -15,18 +16,26 @@
 //! assert_eq!(around.boundary_loops().len(), 1);
 //! ```
 
+mod around;
 mod connectivity;
+mod forest;
 mod mask;
 mod measure;
+mod nearest;
 mod openings;
 mod polygons;
+mod rays;
 mod way;
 
+pub use around::Around;
 pub use connectivity::{Connectivity, Edge};
+pub use forest::Forest;
 pub use mask::VertexMap;
 pub use measure::{
     bounding_box, edge_length_median, loop_length, mixed_voronoi_areas, triangle_areas, vertex_normals,
 };
+pub use nearest::nearest_in_triangle;
 pub use openings::{distance_to_loops, openings};
 pub use polygons::{Label, LabelKind, Mesh, NO_UV, Polygons};
+pub use rays::{Hit, RayTree};
 pub use way::shortest_way;

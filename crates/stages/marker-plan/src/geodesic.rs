@@ -1,6 +1,6 @@
 //! Distances along the surface, in a metric that may vary from place to place.
 
-use mesh::Connectivity;
+use mesh::{Around, Connectivity};
 use nalgebra::Point3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,27 +10,15 @@ use std::collections::BinaryHeap;
 pub(crate) struct Marching<'a> {
     points: &'a [Point3<f64>],
     triangles: &'a [[u32; 3]],
-    starts: Vec<usize>,
-    /// Triangles around each vertex.
-    around: Vec<u32>,
+    around: Around,
     /// Length of a millimetre in the metric, per vertex.
     density: &'a [f64],
 }
 
 impl<'a> Marching<'a> {
     pub(crate) fn new(points: &'a [Point3<f64>], triangles: &'a [[u32; 3]], density: &'a [f64]) -> Self {
-        let mut starts = vec![0usize; points.len() + 1];
-        triangles.iter().flatten().for_each(|&vertex| starts[vertex as usize + 1] += 1);
-        (0..points.len()).for_each(|vertex| starts[vertex + 1] += starts[vertex]);
-        let mut fill = starts.clone();
-        let mut around = vec![0; triangles.len() * 3];
-        for (number, triangle) in triangles.iter().enumerate() {
-            for &vertex in triangle {
-                around[fill[vertex as usize]] = number as u32;
-                fill[vertex as usize] += 1;
-            }
-        }
-        Self { points, triangles, starts, around, density }
+        let around = Around::of(points.len(), triangles);
+        Self { points, triangles, around, density }
     }
 
     /// Lowers `distance` where one of the sources is nearer than what it says, and sets `owner` there to the source's label.
@@ -46,7 +34,7 @@ impl<'a> Marching<'a> {
                 continue;
             }
             let label = owner[vertex as usize];
-            for &triangle in &self.around[self.starts[vertex as usize]..self.starts[vertex as usize + 1]] {
+            for &triangle in self.around.at(vertex) {
                 for &next in self.triangles[triangle as usize].iter().filter(|&&next| next != vertex) {
                     let third =
                         self.triangles[triangle as usize].into_iter().find(|&v| v != vertex && v != next);

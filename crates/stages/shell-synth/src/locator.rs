@@ -58,7 +58,7 @@ pub(crate) fn nearest_of(
     let mut best: Option<(Place, f64)> = None;
     for &triangle in among {
         let corners = triangles[triangle as usize].map(|vertex| points[vertex as usize]);
-        let shares = nearest_shares(&corners, point);
+        let shares = mesh::nearest_in_triangle(point, &corners);
         let at: Vector3<f64> = corners.iter().zip(shares).map(|(corner, share)| corner.coords * share).sum();
         let distance = (point.coords - at).norm_squared();
         if best.is_none_or(|(_, least)| distance < least) {
@@ -66,37 +66,4 @@ pub(crate) fn nearest_of(
         }
     }
     best
-}
-
-/// Barycentric shares of the point of a triangle that is nearest to a point, region by region of its plane.
-fn nearest_shares([a, b, c]: &[Point3<f64>; 3], point: &Point3<f64>) -> [f64; 3] {
-    let (ab, ac) = (b - a, c - a);
-    let (from_a, from_b, from_c) = (point - a, point - b, point - c);
-    let (d1, d2) = (ab.dot(&from_a), ac.dot(&from_a));
-    let (d3, d4) = (ab.dot(&from_b), ac.dot(&from_b));
-    let (d5, d6) = (ab.dot(&from_c), ac.dot(&from_c));
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    if d3 >= 0.0 && d4 <= d3 {
-        return [0.0, 1.0, 0.0];
-    }
-    if d6 >= 0.0 && d5 <= d6 {
-        return [0.0, 0.0, 1.0];
-    }
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let v = d1 / (d1 - d3);
-        return [1.0 - v, v, 0.0];
-    }
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let w = d2 / (d2 - d6);
-        return [1.0 - w, 0.0, w];
-    }
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return [0.0, 1.0 - w, w];
-    }
-    let sum = va + vb + vc;
-    [va / sum, vb / sum, vc / sum]
 }

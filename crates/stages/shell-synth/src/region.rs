@@ -2,6 +2,7 @@
 
 use crate::stamp::Claim;
 use crate::surface::{NONE, Surface};
+use mesh::Forest;
 use std::collections::BTreeSet;
 
 /// From this hold on a vertex is fixed.
@@ -26,20 +27,19 @@ fn is_free(surface: &Surface, claim: &Claim) -> bool {
 
 /// Free vertices that share hinges, each group by itself, by its lowest vertex. `claim_of`: per vertex its claim.
 pub(crate) fn regions(surface: &Surface, claims: &[Claim], claim_of: &[u32]) -> Vec<Region> {
-    let mut groups = Groups::of(surface, claims);
-    for at in 0..claims.len() as u32 {
-        if groups.is_free(at) {
-            for_hinged(surface, claims[at as usize].vertex, |vertex| {
-                let other = claim_of[vertex as usize];
-                if other != NONE && groups.is_free(other) {
-                    groups.join(at, other);
-                }
-            });
-        }
+    let free: Vec<bool> = claims.iter().map(|claim| is_free(surface, claim)).collect();
+    let mut groups = Forest::new(claims.len());
+    for at in (0..claims.len() as u32).filter(|&at| free[at as usize]) {
+        for_hinged(surface, claims[at as usize].vertex, |vertex| {
+            let other = claim_of[vertex as usize];
+            if other != NONE && free[other as usize] {
+                groups.join(at, other);
+            }
+        });
     }
     let mut number = vec![NONE; claims.len()];
     let mut regions: Vec<Region> = Vec::new();
-    for (at, claim) in claims.iter().enumerate().filter(|(_, claim)| is_free(surface, claim)) {
+    for (at, claim) in claims.iter().enumerate().filter(|(at, _)| free[*at]) {
         let number = &mut number[groups.root(at as u32) as usize];
         if *number == NONE {
             *number = regions.len() as u32;
@@ -59,33 +59,5 @@ fn for_hinged(surface: &Surface, vertex: u32, mut with: impl FnMut(u32)) {
             let around = surface.hinges[side as usize].vertices;
             around.into_iter().filter(|&other| other != NONE).for_each(&mut with);
         }
-    }
-}
-
-/// Disjoint sets of free claims; their lowest member stands for them.
-struct Groups(Vec<u32>);
-
-impl Groups {
-    fn of(surface: &Surface, claims: &[Claim]) -> Self {
-        let own = |(at, claim): (usize, &Claim)| if is_free(surface, claim) { at as u32 } else { NONE };
-        Self(claims.iter().enumerate().map(own).collect())
-    }
-
-    fn is_free(&self, at: u32) -> bool {
-        self.0[at as usize] != NONE
-    }
-
-    fn root(&mut self, of: u32) -> u32 {
-        let mut at = of;
-        while self.0[at as usize] != at {
-            self.0[at as usize] = self.0[self.0[at as usize] as usize];
-            at = self.0[at as usize];
-        }
-        at
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::energy::dihedral_angle;
 use crate::{Error, Params, Solver};
+use mesh::Around;
 use nalgebra::Point3;
 
 /// No vertex, no triangle.
@@ -36,8 +37,7 @@ pub(crate) struct Surface {
     pub(crate) hinges: Vec<Hinge>,
     /// Per triangle its three edges.
     pub(crate) sides: Vec<[u32; 3]>,
-    around_starts: Vec<u32>,
-    around: Vec<u32>,
+    around: Around,
     pub(crate) boundary: Vec<bool>,
     /// A third of the area of the triangles around each vertex, mm².
     pub(crate) vertex_areas: Vec<f64>,
@@ -50,7 +50,7 @@ impl Surface {
         params: &Params,
     ) -> Result<Self, Error> {
         let rest_areas = mesh::triangle_areas(&rest, &triangles);
-        let (around_starts, around) = triangles_around(rest.len(), &triangles);
+        let around = Around::of(rest.len(), &triangles);
         let mut surface = Self {
             vertex_areas: vec![0.0; rest.len()],
             boundary: vec![false; rest.len()],
@@ -63,7 +63,6 @@ impl Surface {
             rest,
             triangles,
             rest_areas,
-            around_starts,
             around,
         };
         surface.join_edges(params)?;
@@ -75,8 +74,7 @@ impl Surface {
 
     /// Triangles around a vertex, rising.
     pub(crate) fn around(&self, vertex: u32) -> &[u32] {
-        let at = vertex as usize;
-        &self.around[self.around_starts[at] as usize..self.around_starts[at + 1] as usize]
+        self.around.at(vertex)
     }
 
     /// Calls `with` for every corner of the triangles around a vertex but itself: inner neighbours come twice.
@@ -166,19 +164,4 @@ impl Surface {
         }
         hinge
     }
-}
-
-fn triangles_around(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; vertex_count + 1];
-    triangles.iter().flatten().for_each(|&vertex| starts[vertex as usize + 1] += 1);
-    (0..vertex_count).for_each(|vertex| starts[vertex + 1] += starts[vertex]);
-    let mut fill = starts.clone();
-    let mut around = vec![0u32; triangles.len() * 3];
-    for (number, triangle) in triangles.iter().enumerate() {
-        for &vertex in triangle {
-            around[fill[vertex as usize] as usize] = number as u32;
-            fill[vertex as usize] += 1;
-        }
-    }
-    (starts, around)
 }

@@ -1,6 +1,6 @@
 //! The mesh as a surface to stand on: places on it, their normals, and the nearest place to a point.
 
-use mesh::Mesh;
+use mesh::{Around, Mesh};
 use nalgebra::{Point3, Vector3};
 
 /// A material place on the mesh.
@@ -16,9 +16,7 @@ pub struct Spot {
 #[derive(Debug, Clone)]
 pub struct Ground {
     triangles: Vec<[u32; 3]>,
-    /// `beside[starts[v]..starts[v + 1]]`: the triangles at vertex v.
-    starts: Vec<u32>,
-    beside: Vec<u32>,
+    around: Around,
 }
 
 impl Ground {
@@ -26,20 +24,8 @@ impl Ground {
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let triangles = mesh.triangles();
-        let mut starts = vec![0u32; mesh.positions.len() + 1];
-        triangles.iter().flatten().for_each(|&vertex| starts[vertex as usize + 1] += 1);
-        for vertex in 1..starts.len() {
-            starts[vertex] += starts[vertex - 1];
-        }
-        let mut next = starts.clone();
-        let mut beside = vec![0u32; 3 * triangles.len()];
-        for (face, triangle) in triangles.iter().enumerate() {
-            for &vertex in triangle {
-                beside[next[vertex as usize] as usize] = face as u32;
-                next[vertex as usize] += 1;
-            }
-        }
-        Self { triangles, starts, beside }
+        let around = Around::of(mesh.positions.len(), &triangles);
+        Self { triangles, around }
     }
 
     /// All triangles.
@@ -51,7 +37,7 @@ impl Ground {
     /// How many vertices positions must have.
     #[must_use]
     pub fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
+        self.around.vertex_count()
     }
 
     pub(crate) fn corners(&self, face: u32, points: &[Point3<f64>]) -> [Point3<f64>; 3] {
@@ -111,10 +97,7 @@ impl Ground {
 
     /// Triangles that share a corner with one, itself among them.
     fn neighbors(&self, face: u32) -> impl Iterator<Item = u32> + '_ {
-        self.triangles[face as usize].into_iter().flat_map(|vertex| {
-            let vertex = vertex as usize;
-            self.beside[self.starts[vertex] as usize..self.starts[vertex + 1] as usize].iter().copied()
-        })
+        self.triangles[face as usize].into_iter().flat_map(|vertex| self.around.at(vertex).iter().copied())
     }
 
     /// The spot nearest to a point, found by going from triangle to neighbouring triangle, downhill from `from`: the nearest one of the
@@ -122,8 +105,9 @@ impl Ground {
     #[must_use]
     pub fn nearest(&self, point: &Point3<f64>, from: u32, points: &[Point3<f64>]) -> Spot {
         let place = |face: u32| {
-            let (barycentric, distance) = nearest_in_triangle(point, self.corners(face, points));
-            (Spot { face, barycentric }, distance)
+            let spot =
+                Spot { face, barycentric: mesh::nearest_in_triangle(point, &self.corners(face, points)) };
+            (spot, (point - self.at(&spot, points)).norm())
         };
         let (mut best, mut distance) = place(from);
         for _ in 0..MOST_STEPS {
@@ -166,46 +150,3 @@ impl Seen {
 
 /// Triangles that a search for the nearest one passes at most.
 const MOST_STEPS: usize = 500;
-
-/// Shares of the corners at the point of a triangle that is nearest to a point, and how far it is: by which corner, side or inside it is nearest to.
-fn nearest_in_triangle(point: &Point3<f64>, [a, b, c]: [Point3<f64>; 3]) -> ([f64; 3], f64) {
-    let shares = nearest_shares(point, [a, b, c]);
-    let at = a.coords * shares[0] + b.coords * shares[1] + c.coords * shares[2];
-    (shares, (point.coords - at).norm())
-}
-
-fn nearest_shares(point: &Point3<f64>, [a, b, c]: [Point3<f64>; 3]) -> [f64; 3] {
-    let (ab, ac, ap) = (b - a, c - a, point - a);
-    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let bp = point - b;
-    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return [0.0, 1.0, 0.0];
-    }
-    let cp = point - c;
-    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return [0.0, 0.0, 1.0];
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let share = d1 / (d1 - d3);
-        return [1.0 - share, share, 0.0];
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let share = d2 / (d2 - d6);
-        return [1.0 - share, 0.0, share];
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        let share = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return [0.0, 1.0 - share, share];
-    }
-    let whole = va + vb + vc;
-    let (v, w) = (vb / whole, vc / whole);
-    [(1.0 - v - w).max(0.0), v, w]
-}
