@@ -156,6 +156,14 @@ def check_meshes():
     close(schur, [[2, -0.5], [-0.5, 1.5]])
 
 
+def check_maps():
+    import baked_maps
+    index, pictures = baked_maps.read(FIXTURES / "baked-maps-1/baked-maps.json")
+    assert list(pictures) == [1001, 1012] and pictures[1012]["displacement"].name == "displacement.1012.png"
+    close(baked_maps.normals(index, np.array([255, 0, 128], dtype=np.uint8)), np.array([1, 1, 1 / 255]) / np.sqrt(2 + 255**-2))
+    close(baked_maps.displacement_mm(index, [0, 65535]), [-0.9, 0.9])
+
+
 def check_formats_of_others():
     import c3d, trc
     with tempfile.TemporaryDirectory() as folder:
@@ -191,7 +199,8 @@ def check_commands():
               "vertex_set": "vertex-set-1/vertex-set.json", "vertex_map": "vertex-map-1/vertex-map.json",
               "vertex_path": "vertex-path-1/vertex-path.json",
               "response_basis": "response-basis-1/response-basis.json", "obj": "obj/mesh.obj", "ply": "ply/mesh.ply",
-              "large_scale": "large-scale-1/large-scale.json", "pc2": "large-scale-1/sequence.pc2",
+              "large_scale": "large-scale-1/large-scale.json", "baked_maps": "baked-maps-1/baked-maps.json",
+              "pc2": "large-scale-1/sequence.pc2",
               "provenance": "provenance-1/handles.jsonl.prov.json", "scenario": "scenario-1/scenario.json"}
     readers = {path.stem for path in HERE.glob("*.py")} - {"check"}
     assert readers == set(inputs) | {"c3d", "trc"}, readers ^ set(inputs)
@@ -206,7 +215,7 @@ def check_commands():
 
 
 if __name__ == "__main__":
-    for check in (check_static, check_frames, check_capture, check_scenario, check_wrinkles, check_meshes,
+    for check in (check_static, check_frames, check_capture, check_scenario, check_wrinkles, check_meshes, check_maps,
                   check_formats_of_others, check_commands):
         check()
         print(f"ok: {check.__name__.replace('_', ' ')}")

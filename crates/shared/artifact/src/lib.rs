@@ -33,11 +33,14 @@ mod source;
 mod staged;
 mod subsampling;
 
+mod baked_maps;
 mod camera_file;
 mod cameras;
 #[cfg(feature = "canvas")]
 pub mod canvas;
 mod correspondence;
+#[cfg(feature = "exr")]
+mod exr_file;
 mod frames;
 mod handles;
 mod head_pose;
@@ -75,6 +78,7 @@ pub mod timestamps;
 pub mod trc;
 pub mod usda;
 
+pub use baked_maps::{BakedMaps, BakedTile, GreenAxis};
 pub use camera_file::{CameraFormat, Stated, anipose, colmap, opencv, read_cameras, write_cameras};
 pub use cameras::{CameraDeviation, CameraRig, RigCamera};
 pub use correspondence::{Correspondence, Pair};
@@ -83,6 +87,8 @@ pub use envelope::{
     write_document,
 };
 pub use error::{Error, Result, Violation};
+#[cfg(feature = "exr")]
+pub use exr_file::write_exr;
 pub use finite::finite;
 pub use frames::{CameraFrames, FrameRun, Frames};
 pub use handles::{Handle, HandleFrame, Handles, HandlesHeader};

@@ -218,7 +218,7 @@ fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<DynamicImage
 /// # Errors
 /// If the size is none or does not fit the values, or the file cannot be written.
 pub fn write_rgb8(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<Staged> {
-    check_size(path, width, height, rgb.len())?;
+    check_size(path, width, height, rgb.len(), 3)?;
     write_png(path, width, height, ExtendedColorType::Rgb8, rgb)
 }
 
@@ -227,15 +227,25 @@ pub fn write_rgb8(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Resul
 /// # Errors
 /// As [`write_rgb8`].
 pub fn write_rgb16(path: &Path, width: usize, height: usize, rgb: &[u16]) -> Result<Staged> {
-    check_size(path, width, height, rgb.len())?;
+    check_size(path, width, height, rgb.len(), 3)?;
     // The encoder takes the machine's byte order.
     let bytes: Vec<u8> = rgb.iter().flat_map(|code| code.to_ne_bytes()).collect();
     write_png(path, width, height, ExtendedColorType::Rgb16, &bytes)
 }
 
-fn check_size(path: &Path, width: usize, height: usize, values: usize) -> Result<()> {
-    let fits =
-        width > 0 && height > 0 && width.checked_mul(height).is_some_and(|pixels| 3 * pixels == values);
+/// Writes a PNG of 16 bits of grey; otherwise like [`write_rgb8`].
+///
+/// # Errors
+/// As [`write_rgb8`].
+pub fn write_gray16(path: &Path, width: usize, height: usize, gray: &[u16]) -> Result<Staged> {
+    check_size(path, width, height, gray.len(), 1)?;
+    let bytes: Vec<u8> = gray.iter().flat_map(|code| code.to_ne_bytes()).collect();
+    write_png(path, width, height, ExtendedColorType::L16, &bytes)
+}
+
+fn check_size(path: &Path, width: usize, height: usize, values: usize, channels: usize) -> Result<()> {
+    let pixels = width.checked_mul(height).filter(|&pixels| pixels > 0);
+    let fits = pixels.is_some_and(|pixels| channels * pixels == values);
     match fits && u32::try_from(width.max(height)).is_ok() {
         true => Ok(()),
         false => {

@@ -6,11 +6,11 @@ mod support;
 
 use artifact::provenance::Provenance;
 use artifact::{
-    CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, HandleFrame, Handles,
-    HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories, MeshRef, PaintModel,
-    ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase, TrackState, Tracks2d,
-    Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp, Wrinkled, Wrinkles2d,
-    document_schema, read_document, stream_schema, write_document,
+    BakedMaps, CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, GreenAxis,
+    HandleFrame, Handles, HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories,
+    MeshRef, PaintModel, ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase,
+    TrackState, Tracks2d, Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp,
+    Wrinkled, Wrinkles2d, document_schema, read_document, stream_schema, write_document,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -52,6 +52,7 @@ fn kinds() -> Vec<(String, Value, PathBuf)> {
         document::<VertexMapping>(),
         document::<ResponseBasis>(),
         document::<LargeScale>(),
+        document::<BakedMaps>(),
         (provenance, schema, fixture("provenance-1/handles.jsonl.prov.json")),
     ]
 }
@@ -192,6 +193,14 @@ fn refers_to_the_take(take: Option<&artifact::TakeRef>) {
 fn refers_to_the_mesh(mesh: &MeshRef) {
     assert_eq!(mesh.file.sha256, artifact::sha256(&fixture("obj/mesh.obj")).unwrap());
     assert_eq!((mesh.unit, mesh.vertex_count), (Unit::Mm, 5));
+}
+
+#[test]
+fn frozen_baked_maps_read() {
+    let maps: BakedMaps = document();
+    refers_to_the_mesh(&maps.mesh);
+    assert_eq!((maps.frame, maps.size, maps.green), (Some(1004), 2048, GreenAxis::Directx));
+    assert_eq!((maps.black_mm, maps.tiles[1].tile), (-0.9, 1012));
 }
 
 #[test]
