@@ -198,6 +198,7 @@ const CALLS: &[(&str, &[&str])] = &[
         &["--mesh", MESH, "--unit", "mm", "--object-map", "missing-input.png", "--out", "out.obj"],
     ),
     ("shell-synth", &["--mesh", MESH, "--large-scale", DOCUMENT, "--valleys", STREAM, "--out", "out.json"]),
+    ("bake", &["--low", MESH, "--high", "missing-input.obj", "--unit", "mm", "--out", "maps"]),
     // `house new-stage` adds here
 ];
 
