@@ -3,11 +3,12 @@
 use crate::Picture;
 use crate::albedo::combined_albedo;
 use crate::curve::Curve;
-use crate::fit::{Fit, station_count};
+use crate::fit::Fit;
 use crate::ground::{Ground, Surface};
 use crate::paint::{Band, band};
 use crate::paper;
 use crate::params::{Model, Params};
+use crate::plan::station_count;
 use crate::problem::{CREASE, LN_LIGHT, LN_RATIO, LN_WIDTH, LOPSIDED, ROUND};
 use artifact::{Curve2d, Section, SectionDeviation, SectionState};
 use nalgebra::Vector2;
