@@ -5,9 +5,10 @@ use crate::ground::Ground;
 use crate::paint::Band;
 use crate::params::Params;
 use crate::plan::{CORRELATED, PAINT_WIDTHS, Plan, RATIO};
-use crate::problem::{CONSTANTS, FIELDS, LN_RATIO, LN_WIDTH, Problem, ROUND, TILTED};
+use crate::problem::{CONSTANTS, FIELDS, LN_RATIO, LN_WIDTH, Problem, ROUND, TILTED, huber};
 use crate::ridge::ridge;
 use crate::smooth::smooth_light;
+use nalgebra::DMatrix;
 
 /// Neighbouring pixels that share texture and misfit count as one, but at most so many where a valley is told from flat paint: beyond, it is
 /// misfit.
@@ -119,56 +120,68 @@ impl Plan<'_> {
         let unknowns = &best.unknowns;
         let fields =
             (0..self.stations).map(|at| std::array::from_fn(|k| problem.field(unknowns, k, at))).collect();
-        let covariance = problem.normal(unknowns).1.matrix.try_inverse();
-        let deviation = |field: usize, station: usize| {
-            let (at, weights) = problem.bases[field].stations[station];
-            let at = problem.first(field) + at;
-            let used = |k: usize| weights[k] != 0.0;
-            let pair = |j: usize, k: usize, inverse: &nalgebra::DMatrix<f64>| {
-                weights[j] * weights[k] * inverse[(at + j, at + k)]
-            };
-            let sum = |inverse: &nalgebra::DMatrix<f64>| -> f64 {
-                (0..4)
-                    .flat_map(|j| (0..4).map(move |k| (j, k)))
-                    .filter(|&(j, k)| used(j) && used(k))
-                    .map(|(j, k)| pair(j, k, inverse))
-                    .sum()
-            };
-            covariance.as_ref().map_or(f64::INFINITY, sum).max(0.0).sqrt()
-        };
+        let covariance = best.normal.matrix.clone().try_inverse();
+        let deviation = |field, at| deviation(problem, covariance.as_ref(), field, at);
         let deviations =
             (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
-        let costs = problem.costs(unknowns);
+        let seen = self.seen(problem, unknowns, band.pixels.len());
         let flat_costs = flat.costs(&flat_best.unknowns);
         let smooth = smooth_light(&self.rows, self.length, self.stations, problem.noise);
-        let mut model = vec![0.0; band.pixels.len()];
+        let evidence = evidence(band, &seen.model);
+        let gains = flat_costs.iter().zip(&seen.costs).map(|(flat, cost)| evidence * (flat - cost)).collect();
+        let constants = problem.constants(unknowns);
+        Fit {
+            fields,
+            deviations,
+            constants: std::array::from_fn(|k| constants[k]),
+            gain: evidence * (smooth.cost - seen.costs.iter().sum::<f64>()),
+            smooth_bend: smooth.bend,
+            gains,
+            misfits: seen.misfits,
+            half_width: PAINT_WIDTHS * self.ln_width.exp(),
+            spacing: self.length / (self.stations - 1) as f64,
+            model: seen.model,
+            ground: if self.is_known { self.ground.clone() } else { Vec::new() },
+        }
+    }
+
+    /// What the model says of `count` pixels.
+    fn seen(&self, problem: &Problem<'_>, unknowns: &[f64], count: usize) -> Seen {
+        let mut model = vec![0.0; count];
+        let mut costs = vec![0.0; self.stations];
         let mut squares = vec![[0.0f64; 2]; self.stations];
         let mut place = self.order.iter();
         problem.visit(unknowns, |row, light, _| {
             if let Some(&pixel) = place.next() {
                 model[pixel] = light;
             }
+            let left = row.light - light;
+            costs[row.station] += row.weight * huber(left / problem.noise).0;
             let sum = &mut squares[row.station];
-            *sum = [sum[0] + 1.0, sum[1] + (row.light - light).powi(2)];
+            *sum = [sum[0] + 1.0, sum[1] + left * left];
         });
-        let evidence = evidence(band, &model);
-        let gains = flat_costs.iter().zip(&costs).map(|(flat, cost)| evidence * (flat - cost)).collect();
         let misfits = squares.iter().map(|[count, sum]| (sum / count.max(1.0)).sqrt()).collect();
-        let constants = problem.constants(unknowns);
-        Fit {
-            fields,
-            deviations,
-            constants: std::array::from_fn(|k| constants[k]),
-            gain: evidence * (smooth.cost - costs.iter().sum::<f64>()),
-            smooth_bend: smooth.bend,
-            gains,
-            misfits,
-            half_width: PAINT_WIDTHS * self.ln_width.exp(),
-            spacing: self.length / (self.stations - 1) as f64,
-            model,
-            ground: if self.is_known { self.ground.clone() } else { Vec::new() },
-        }
+        Seen { model, costs, misfits }
     }
+}
+
+/// What a model says of the pixels: the light of each; per station their cost and their root mean square misfit.
+struct Seen {
+    model: Vec<f64>,
+    costs: Vec<f64>,
+    misfits: Vec<f64>,
+}
+
+/// The deviation of a field at a station; infinite where the pixels do not say.
+fn deviation(problem: &Problem<'_>, covariance: Option<&DMatrix<f64>>, field: usize, station: usize) -> f64 {
+    let (first, weights) = problem.bases[field].stations[station];
+    let at = problem.first(field) + first;
+    let used = || (0..4).filter(|&k| weights[k] != 0.0);
+    let sum = |covariance: &DMatrix<f64>| -> f64 {
+        let pair = |j: usize, k: usize| weights[j] * weights[k] * covariance[(at + j, at + k)];
+        used().flat_map(|j| used().map(move |k| (j, k))).map(|(j, k)| pair(j, k)).sum()
+    };
+    covariance.map_or(f64::INFINITY, sum).max(0.0).sqrt()
 }
 
 /// What the gain in likelihood is worth: the more what is left of neighbouring pixels is alike, the more of them count as

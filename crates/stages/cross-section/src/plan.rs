@@ -1,5 +1,6 @@
 //! What a fit starts from: pixels by stations, priors, starts.
 
+use crate::blur::Bell;
 use crate::descent::{Minimum, descend};
 use crate::ground::Ground;
 use crate::paint::{Band, Pixel};
@@ -85,6 +86,7 @@ pub(crate) struct Plan<'a> {
     params: &'a Params,
     albedo: f64,
     places: [f64; NODES],
+    bell: Bell,
     /// Per station what geometry says of t and of the curvature, 1/px; zeros where it says nothing.
     pub(crate) ground: Vec<[f64; 2]>,
     pub(crate) is_known: bool,
@@ -145,6 +147,7 @@ impl<'a> Plan<'a> {
             params,
             albedo,
             places: places(),
+            bell: Bell::new(),
             ground,
             is_known,
         }
@@ -184,6 +187,7 @@ impl<'a> Plan<'a> {
             widest: self.ln_width + WIDEST.ln(),
             ground,
             places: &self.places,
+            bell: &self.bell,
         }
     }
 
