@@ -15,6 +15,8 @@ use nalgebra::DMatrix;
 const MOST_CORRELATED: f64 = 12.0;
 /// A rounding must gain so much cost over a sharp crease.
 const ROUNDING_GAIN: f64 = 10.0;
+/// A view that leans more over the skin, as a tangent (70°), shows of a valley little but its rim.
+const MOST_LEAN: f64 = 2.75;
 /// Pixels that a fit needs.
 const LEAST_PIXELS: usize = 60;
 
@@ -77,9 +79,18 @@ impl Fit {
 
     /// The tilt of the view at a length along the wrinkle, rad, where geometry says it.
     pub(crate) fn tilt(&self, x: f64) -> Option<f64> {
+        self.known_tilt(x).map(|known| (known + self.constants[TILTED]).atan())
+    }
+
+    /// Whether geometry says that the view leans too much there to show a valley's light.
+    pub(crate) fn leans(&self, x: f64) -> bool {
+        self.known_tilt(x).is_some_and(|known| known.abs() > MOST_LEAN)
+    }
+
+    /// The tangent of the tilt that geometry says.
+    fn known_tilt(&self, x: f64) -> Option<f64> {
         let nearest = (x / self.spacing).round() as usize;
-        let known = self.ground.get(nearest.min(self.ground.len().saturating_sub(1)))?;
-        Some((known[0] + self.constants[TILTED]).atan())
+        self.ground.get(nearest.min(self.ground.len().saturating_sub(1))).map(|known| known[0])
     }
 
     /// Fields at a length along the wrinkle, with the deviations.

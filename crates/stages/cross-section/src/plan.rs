@@ -64,6 +64,8 @@ const STARTS: [[f64; 3]; 8] = [
 
 /// Creases so many widths apart are two.
 const ELSEWHERE: f64 = 0.25;
+/// A groove elsewhere is not followed to the end if it costs so much more: it never won.
+const BEHIND: f64 = 20.0;
 
 /// The best groove that is the same everywhere.
 pub(crate) struct First {
@@ -284,7 +286,8 @@ impl<'a> Plan<'a> {
         let apart = |one: &Minimum, other: &Minimum| {
             (one.unknowns[crease] - other.unknowns[crease]).abs() > ELSEWHERE * one.unknowns[LN_WIDTH].exp()
         };
-        let other = sorted.iter().position(|other| apart(&sorted[0], other));
+        let is_near = |other: &Minimum| other.cost - sorted[0].cost < BEHIND;
+        let other = sorted.iter().position(|other| apart(&sorted[0], other) && is_near(other));
         let found = [Some(0), other].into_iter().flatten().map(|at| &sorted[at]);
         let first = |best: &Minimum| {
             let constants = problem.constants(&best.unknowns);
