@@ -18,7 +18,7 @@ pub struct Foot {
 /// A uniform cubic B-spline in the image with the lengths of its parts.
 #[derive(Debug, Clone)]
 pub struct Curve {
-    controls: Vec<Vector2<f64>>,
+    spline: Curve2d,
     /// Parameter, place and length from the start of places along it.
     knots: Vec<Knot>,
 }
@@ -30,29 +30,24 @@ struct Knot {
     x: f64,
 }
 
-/// Place, first and second derivative by the parameter.
-struct Jet([Vector2<f64>; 3]);
-
 impl Curve {
     /// None where the curve has no length.
     #[must_use]
     pub fn of(curve: &Curve2d) -> Option<Self> {
-        let controls: Vec<Vector2<f64>> = curve.controls.iter().map(|&control| control.into()).collect();
-        let mut curve = Self { controls, knots: Vec::new() };
-        let hull: f64 = curve.controls.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        let hull: f64 = curve.controls.windows(2).map(|pair| (place(pair[1]) - place(pair[0])).norm()).sum();
         if curve.controls.len() < 4 || !hull.is_finite() || hull > MOST {
             return None;
         }
-        let spans = (curve.controls.len() - 3) as f64;
+        let mut curve = Self { spline: Curve2d { paint: Vec::new(), ..curve.clone() }, knots: Vec::new() };
+        let spans = curve.spline.end();
         let count = (hull / STEP).ceil().max(2.0 * spans);
         let mut x = 0.0;
         for i in 0..=count as usize {
             let u = spans * i as f64 / count;
-            let at = curve.jet(u).0[0];
             if let Some(last) = curve.knots.last() {
                 x += curve.length(last.u, u);
             }
-            curve.knots.push(Knot { u, at, x });
+            curve.knots.push(Knot { u, at: place(curve.spline.at(u)), x });
         }
         (x > 1.0).then_some(curve)
     }
@@ -70,36 +65,34 @@ impl Curve {
         let [from, to] = [self.knots[after - 1], self.knots[after]];
         let share = ((x - from.x) / (to.x - from.x).max(1e-12)).clamp(0.0, 1.0);
         let u = from.u + share * (to.u - from.u);
-        let Jet([at, tangent, _]) = self.jet(u);
-        let along = tangent.try_normalize(1e-12).unwrap_or_else(Vector2::x);
-        (u, at, Vector2::new(-along.y, along.x))
+        let along = self.tangent(u).try_normalize(1e-12).unwrap_or_else(Vector2::x);
+        (u, place(self.spline.at(u)), Vector2::new(-along.y, along.x))
     }
 
     /// The nearest place of the curve; none for places beyond its ends.
     #[must_use]
-    pub fn foot(&self, place: Vector2<f64>) -> Option<Foot> {
-        let far = |knot: &Knot| (knot.at - place).norm_squared();
+    pub fn foot(&self, from: Vector2<f64>) -> Option<Foot> {
+        let far = |knot: &Knot| (knot.at - from).norm_squared();
         let (nearest, _) = self
             .knots
             .iter()
             .enumerate()
             .map(|(i, knot)| (i, far(knot)))
             .reduce(|best, other| if other.1 < best.1 { other } else { best })?;
-        let spans = (self.controls.len() - 3) as f64;
+        let spans = self.spline.end();
         let mut u = self.knots[nearest].u;
         for _ in 0..3 {
-            let Jet([at, tangent, bend]) = self.jet(u.clamp(0.0, spans));
-            let off = at - place;
-            let curvature = tangent.norm_squared() + off.dot(&bend);
+            let inside = u.clamp(0.0, spans);
+            let (off, tangent) = (place(self.spline.at(inside)) - from, self.tangent(inside));
+            let curvature = tangent.norm_squared() + off.dot(&self.bend(inside));
             // Beyond the centre of curvature there is no nearest place.
             u -= off.dot(&tangent) / curvature.max(0.2 * tangent.norm_squared());
         }
         if !(0.0..=spans).contains(&u) {
             return None;
         }
-        let Jet([at, tangent, _]) = self.jet(u);
-        let along = tangent.try_normalize(1e-12)?;
-        let off = place - at;
+        let along = self.tangent(u).try_normalize(1e-12)?;
+        let off = from - place(self.spline.at(u));
         let p = off.dot(&Vector2::new(-along.y, along.x));
         // A place whose search ran astray is off along the curve too.
         (off.dot(&along).abs() < 0.1).then_some(Foot { x: self.length_to(u), p })
@@ -115,29 +108,26 @@ impl Curve {
     /// Length between two near parameters, by Gauss's rule of two points.
     fn length(&self, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let speed = |side: f64| self.jet(middle + side * half / 3.0f64.sqrt()).0[1].norm();
+        let speed = |side: f64| self.tangent(middle + side * half / 3.0f64.sqrt()).norm();
         half * (speed(-1.0) + speed(1.0))
     }
 
-    fn jet(&self, u: f64) -> Jet {
-        let span = (u as usize).min(self.controls.len() - 4);
-        let v = u - span as f64;
-        let w = 1.0 - v;
-        let weights = [
-            [
-                w * w * w,
-                3.0 * v * v * v - 6.0 * v * v + 4.0,
-                -3.0 * v * v * v + 3.0 * v * v + 3.0 * v + 1.0,
-                v * v * v,
-            ],
-            [-3.0 * w * w, 9.0 * v * v - 12.0 * v, -9.0 * v * v + 6.0 * v + 3.0, 3.0 * v * v],
-            [6.0 * w, 18.0 * v - 12.0, -18.0 * v + 6.0, 6.0 * v],
-        ];
-        Jet(weights.map(|weights| {
-            let parts = self.controls[span..span + 4].iter().zip(weights);
-            parts.map(|(control, weight)| control * (weight / 6.0)).sum()
-        }))
+    fn tangent(&self, u: f64) -> Vector2<f64> {
+        place(self.spline.derivative(u))
     }
+
+    /// The second derivative by the parameter: linear between the second differences of the control points.
+    fn bend(&self, u: f64) -> Vector2<f64> {
+        let controls = &self.spline.controls;
+        let span = (u as usize).min(controls.len() - 4);
+        let difference =
+            |k: usize| place(controls[k]) - 2.0 * place(controls[k + 1]) + place(controls[k + 2]);
+        difference(span).lerp(&difference(span + 1), u - span as f64)
+    }
+}
+
+fn place(at: [f64; 2]) -> Vector2<f64> {
+    at.into()
 }
 
 /// No curve in an image is longer, px.

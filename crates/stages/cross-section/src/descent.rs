@@ -7,6 +7,8 @@ use nalgebra::DVector;
 pub(crate) struct Minimum {
     pub(crate) unknowns: Vec<f64>,
     pub(crate) cost: f64,
+    /// The equations there.
+    pub(crate) normal: Normal,
 }
 
 /// Steps down from a start until the cost falls by less than `least`, at most `steps` times.
@@ -33,7 +35,7 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64], steps: usize, least:
             break;
         }
     }
-    Minimum { unknowns: at, cost }
+    Minimum { unknowns: at, cost, normal }
 }
 
 fn step(problem: &Problem<'_>, at: &[f64], normal: &Normal, damping: f64) -> Option<Vec<f64>> {

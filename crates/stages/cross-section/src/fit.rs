@@ -2,53 +2,21 @@
 
 use crate::descent::{Minimum, descend};
 use crate::ground::Ground;
-use crate::paint::{Band, Pixel};
+use crate::paint::Band;
 use crate::params::Params;
-use crate::problem::{
-    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
-};
-use crate::shading::{NODES, places};
+use crate::plan::{CORRELATED, PAINT_WIDTHS, Plan, RATIO};
+use crate::problem::{CONSTANTS, FIELDS, LN_RATIO, LN_WIDTH, Problem, ROUND, TILTED, huber};
+use crate::ridge::ridge;
 use crate::smooth::smooth_light;
-use crate::spline::Basis;
+use nalgebra::DMatrix;
 
-/// Distance of the stations at which the model is computed, px.
-const STATION_PX: f64 = 10.0;
-/// Distances of the splines' knots, px: ln w, ln(d/w), crease, ln of the light, its rise, curvature of the surroundings.
-const KNOTS_PX: [f64; FIELDS] = [50.0, 28.0, 16.0, 40.0, 60.0, 60.0];
-/// Deviations of the differences of neighbouring coefficients: of these fields first ones, of the crease second ones, px.
-const CHANGES: [f64; FIELDS] = [0.15, 0.6, 0.5, 0.15, 0.05, 0.03];
-/// Paint reaches so many widths to each side, about …
-const PAINT_WIDTHS: f64 = 1.6;
-/// … but for this deviation of the logarithm.
-const WIDTH_SPREAD: f64 = 0.4;
-/// A valley so many times wider is not to be told from uneven light: the paint does not reach its rims.
-const WIDEST: f64 = 2.4;
-/// d/w before anything is known, and the deviation of its logarithm.
-const RATIO: f64 = 0.3;
-const RATIO_SPREAD: f64 = 1.2;
-/// Deviation of the light's rise across the wrinkle.
-const RISE_SPREAD: f64 = 0.04;
-/// Deviation of the curvature of the surroundings, per 10 px.
-const BEND_SPREAD: f64 = 0.03;
-/// Means and deviations of ε, κ, g, t.
-const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.3], [0.0, 0.12], [0.0, 0.06], [0.0, 0.3]];
-/// Deviations of what geometry says of t and of the curvature, per 10 px.
-const GROUND_SPREADS: [f64; 2] = [0.06, 0.008];
-/// No view on a wrinkle leans more, as a tangent: beyond, it shows nothing.
-const MOST_TILT: f64 = 3.0;
-/// The first curve is off the crease by so much, px.
-const CREASE_SPREAD: f64 = 2.0;
-/// … and never by more than this, px, and this share of how far the paint reaches.
-const ASIDE_PX: f64 = 2.5;
-const ASIDE: f64 = 0.3;
-/// Neighbouring pixels share texture and misfit: so many of them count as one in the fit …
-const CORRELATED: f64 = 3.0;
-/// … and at most so many where a valley is told from flat paint: beyond, it is misfit.
+/// Neighbouring pixels that share texture and misfit count as one, but at most so many where a valley is told from flat paint: beyond, it is
+/// misfit.
 const MOST_CORRELATED: f64 = 12.0;
-/// Noise as share of the light on open paint: at first, and the least.
-const NOISE: [f64; 2] = [0.02, 0.004];
 /// A rounding must gain so much cost over a sharp crease.
 const ROUNDING_GAIN: f64 = 10.0;
+/// A view that leans more over the skin, as a tangent (70°), shows of a valley little but its rim.
+const MOST_LEAN: f64 = 2.75;
 /// Pixels that a fit needs.
 const LEAST_PIXELS: usize = 60;
 
@@ -77,70 +45,6 @@ pub(crate) struct Fit {
     ground: Vec<[f64; 2]>,
 }
 
-/// Starts: share of the expected width, ε, and the side to which the crease lies of what is dark, with a view from there.
-///
-/// A round bottom is brighter than its walls, and the wall that faces the camera looks the widest: the middle of what is dark is then
-/// none of the valley's.
-const STARTS: [[f64; 3]; 8] = [
-    [0.55, 0.1, 0.0],
-    [1.0, 0.1, 0.0],
-    [0.55, 0.5, 0.0],
-    [1.0, 0.5, 0.0],
-    [0.75, 0.15, 1.0],
-    [0.75, 0.15, -1.0],
-    [0.75, 0.5, 1.0],
-    [0.75, 0.5, -1.0],
-];
-
-/// Creases so many widths apart are two.
-const ELSEWHERE: f64 = 0.25;
-
-/// The best groove that is the same everywhere.
-struct First {
-    /// ln w, ln(d/w), ε.
-    groove: [f64; 3],
-    /// How far its crease lies off the middle of what is dark, px.
-    crease: f64,
-    tilt: f64,
-}
-
-/// What a fit starts from.
-struct Plan<'a> {
-    length: f64,
-    stations: usize,
-    rows: Vec<Row>,
-    /// Per row its pixel in the band.
-    order: Vec<usize>,
-    reach: f64,
-    ln_width: f64,
-    params: &'a Params,
-    albedo: f64,
-    places: [f64; NODES],
-    /// Per station what geometry says of t and of the curvature, 1/px; zeros where it says nothing.
-    ground: Vec<[f64; 2]>,
-    is_known: bool,
-}
-
-/// How many stations a length has.
-pub(crate) fn station_count(length: f64) -> usize {
-    (length / STATION_PX).round().max(1.0) as usize + 1
-}
-
-/// What geometry says, where it says nothing that of the nearest place where it does.
-fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<[f64; 2]>> {
-    let known: Vec<(usize, [f64; 2])> = ground
-        .iter()
-        .enumerate()
-        .filter_map(|(at, ground)| {
-            let ground = ground.as_ref()?;
-            Some((at, [ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT), ground.bend_per_px]))
-        })
-        .collect();
-    let nearest =
-        |at: usize| known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, ground)| *ground);
-    (0..count).map(nearest).collect()
-}
-
 impl Fit {
     /// None where there is too little paint.
     pub(crate) fn of(
@@ -154,7 +58,7 @@ impl Fit {
             return None;
         }
         let plan = Plan::of(band, length, ground, params, albedo);
-        let creases = ridge(&plan);
+        let creases = ridge(&plan.rows, plan.stations);
         let mut flat = plan.problem(true);
         let base = plan.start(&flat, &creases, &[plan.ln_width, RATIO.ln(), 0.4]);
         let mut problem = plan.problem(false);
@@ -175,9 +79,18 @@ impl Fit {
 
     /// The tilt of the view at a length along the wrinkle, rad, where geometry says it.
     pub(crate) fn tilt(&self, x: f64) -> Option<f64> {
+        self.known_tilt(x).map(|known| (known + self.constants[TILTED]).atan())
+    }
+
+    /// Whether geometry says that the view leans too much there to show a valley's light.
+    pub(crate) fn leans(&self, x: f64) -> bool {
+        self.known_tilt(x).is_some_and(|known| known.abs() > MOST_LEAN)
+    }
+
+    /// The tangent of the tilt that geometry says.
+    fn known_tilt(&self, x: f64) -> Option<f64> {
         let nearest = (x / self.spacing).round() as usize;
-        let known = self.ground.get(nearest.min(self.ground.len().saturating_sub(1)))?;
-        Some((known[0] + self.constants[TILTED]).atan())
+        self.ground.get(nearest.min(self.ground.len().saturating_sub(1))).map(|known| known[0])
     }
 
     /// Fields at a length along the wrinkle, with the deviations.
@@ -206,214 +119,7 @@ fn sharpened(problem: &mut Problem<'_>, rounded: Minimum) -> Minimum {
     rounded
 }
 
-impl<'a> Plan<'a> {
-    fn of(band: &Band, length: f64, ground: &[Option<Ground>], params: &'a Params, albedo: f64) -> Self {
-        let stations = station_count(length);
-        let intervals = (stations - 1) as f64;
-        let row = |pixel: &Pixel| {
-            let along = (pixel.x / length * intervals).clamp(0.0, intervals);
-            let station = (along as usize).min(intervals as usize - 1);
-            Row { station, share: along - station as f64, p: pixel.p, light: pixel.light, weight: 1.0 }
-        };
-        let all: Vec<Row> = band.pixels.iter().map(row).collect();
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.sort_by_key(|&pixel| all[pixel].station);
-        let rows: Vec<Row> = order.iter().map(|&pixel| all[pixel]).collect();
-        let reach = rows.iter().map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
-        let half = half_width(&rows, intervals as usize);
-        let ln_width = (half / PAINT_WIDTHS).max(1.5).ln();
-        let ground = filled(ground, stations).filter(|_| params.tilt_deg.is_none());
-        let is_known = ground.is_some();
-        let ground = ground.unwrap_or_else(|| vec![[0.0; 2]; stations]);
-        Self {
-            length,
-            stations,
-            rows,
-            order,
-            reach,
-            ln_width,
-            params,
-            albedo,
-            places: places(),
-            ground,
-            is_known,
-        }
-    }
-
-    fn blur(&self) -> f64 {
-        (self.params.lens_blur_px.powi(2) + 1.0 / 12.0).sqrt()
-    }
-
-    fn problem(&self, flat: bool) -> Problem<'_> {
-        let bases = KNOTS_PX.map(|spacing| Basis::new(self.length, spacing, self.stations));
-        let mut problem = self.bare(&self.rows, bases, &self.ground, flat);
-        problem.priors = self.priors(&problem);
-        problem
-    }
-
-    fn bare<'p>(
-        &'p self,
-        rows: &'p [Row],
-        bases: [Basis; FIELDS],
-        ground: &'p [[f64; 2]],
-        flat: bool,
-    ) -> Problem<'p> {
-        let mut free = [!flat; CONSTANTS];
-        free[TILTED] &= self.params.tilt_deg.is_none();
-        Problem {
-            rows,
-            bases,
-            priors: Vec::new(),
-            free,
-            flat,
-            blur: self.blur(),
-            albedo: self.albedo,
-            reach: self.reach,
-            noise: NOISE[0] * CORRELATED.sqrt(),
-            aside: ASIDE_PX + ASIDE * PAINT_WIDTHS * self.ln_width.exp(),
-            widest: self.ln_width + WIDEST.ln(),
-            ground,
-            places: &self.places,
-        }
-    }
-
-    fn priors(&self, problem: &Problem<'_>) -> Vec<Prior> {
-        let mut priors = Vec::new();
-        let values = [
-            Some((self.ln_width, WIDTH_SPREAD)),
-            Some((RATIO.ln(), RATIO_SPREAD)),
-            Some((0.0, CREASE_SPREAD)),
-            None,
-            Some((0.0, RISE_SPREAD)),
-            Some((0.0, if self.is_known { GROUND_SPREADS[1] } else { BEND_SPREAD })),
-        ];
-        for (field, value) in values.into_iter().enumerate() {
-            let (first, count) = (problem.first(field), problem.bases[field].count);
-            if let Some((mean, deviation)) = value {
-                priors.extend((first..first + count).map(|at| Prior {
-                    terms: vec![(at, 1.0)],
-                    mean,
-                    deviation: deviation * (count as f64).sqrt(),
-                }));
-            }
-            let stencil: &[f64] = if field == CREASE { &[1.0, -2.0, 1.0] } else { &[-1.0, 1.0] };
-            for at in first..(first + count + 1).saturating_sub(stencil.len()) {
-                let terms = stencil.iter().enumerate().map(|(k, weight)| (at + k, *weight)).collect();
-                priors.push(Prior { terms, mean: 0.0, deviation: CHANGES[field] });
-            }
-        }
-        let first = problem.first(FIELDS);
-        for (constant, [mean, deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
-            if problem.free[constant] {
-                let known = self.is_known && constant == TILTED;
-                let deviation = if known { GROUND_SPREADS[0] } else { deviation };
-                priors.push(Prior { terms: vec![(first + constant, 1.0)], mean, deviation });
-            }
-        }
-        priors
-    }
-
-    /// Unknowns with the same groove everywhere, its crease along the ridge.
-    fn start(&self, problem: &Problem<'_>, creases: &[f64], groove: &[f64; 3]) -> Vec<f64> {
-        let mut unknowns = vec![0.0; problem.count()];
-        let [ln_width, ln_ratio, epsilon] = *groove;
-        for (field, value) in [(LN_WIDTH, ln_width), (LN_RATIO, ln_ratio), (LN_LIGHT, 0.0)] {
-            let first = problem.first(field);
-            unknowns[first..first + problem.bases[field].count].fill(value);
-        }
-        let first = problem.first(CREASE);
-        let count = problem.bases[CREASE].count;
-        for k in 0..count {
-            // A coefficient's place is one knot before its index.
-            let along = (k as f64 - 1.0) / (count as f64 - 3.0) * (creases.len() - 1) as f64;
-            unknowns[first + k] = creases[(along.round().max(0.0) as usize).min(creases.len() - 1)];
-        }
-        let first = problem.first(FIELDS);
-        unknowns[first + ROUND] = epsilon;
-        if let Some(tilt) = self.params.tilt_deg {
-            unknowns[first + TILTED] = tilt.to_radians().tan();
-        }
-        unknowns
-    }
-
-    /// Unknowns with a groove everywhere, its crease beside the ridge.
-    fn moved_start(&self, problem: &Problem<'_>, creases: &[f64], first: &First) -> Vec<f64> {
-        let creases: Vec<f64> = creases.iter().map(|crease| crease + first.crease).collect();
-        let mut start = self.start(problem, &creases, &first.groove);
-        if problem.free[TILTED] {
-            start[problem.first(FIELDS) + TILTED] = first.tilt;
-        }
-        start
-    }
-
-    /// The best groove that is the same everywhere, from several starts; and the best one whose crease lies elsewhere.
-    fn firsts(&self, creases: &[f64]) -> Vec<First> {
-        let rows = self.collapsed(creases);
-        let bases = std::array::from_fn(|_| Basis::constant(2));
-        let count = self.ground.len() as f64;
-        let mean = [0, 1].map(|k| self.ground.iter().map(|ground| ground[k]).sum::<f64>() / count);
-        let ground = [mean; 2];
-        let mut problem = self.bare(&rows, bases, &ground, false);
-        problem.priors = self.priors(&problem);
-        let crease = problem.first(CREASE);
-        let descended = STARTS.map(|[width, epsilon, side]| {
-            let ln_width = self.ln_width + f64::ln(width);
-            let mut start = self.start(&problem, &[0.0; 2], &[ln_width, RATIO.ln(), epsilon]);
-            start[crease] = 0.4 * side * ln_width.exp();
-            if problem.free[TILTED] && !self.is_known {
-                start[problem.first(FIELDS) + TILTED] = 0.5 * side;
-            }
-            descend(&problem, &start, 10, 1.0)
-        });
-        let mut sorted: Vec<Minimum> = descended.into_iter().collect();
-        sorted.sort_by(|one, other| one.cost.total_cmp(&other.cost));
-        let apart = |one: &Minimum, other: &Minimum| {
-            (one.unknowns[crease] - other.unknowns[crease]).abs() > ELSEWHERE * one.unknowns[LN_WIDTH].exp()
-        };
-        let other = sorted.iter().position(|other| apart(&sorted[0], other));
-        let found = [Some(0), other].into_iter().flatten().map(|at| &sorted[at]);
-        let first = |best: &Minimum| {
-            let constants = problem.constants(&best.unknowns);
-            let groove = [best.unknowns[0], best.unknowns[1], constants[ROUND]];
-            First { groove, crease: best.unknowns[crease], tilt: constants[TILTED] }
-        };
-        found.map(first).collect()
-    }
-
-    /// The mean light by distance from the ridge, in steps of half a pixel.
-    fn collapsed(&self, creases: &[f64]) -> Vec<Row> {
-        let count = (4.0 * self.reach) as usize + 1;
-        let mut sums = vec![[0.0f64; 3]; count];
-        for row in &self.rows {
-            let crease = creases[row.station] + row.share * (creases[row.station + 1] - creases[row.station]);
-            let p = row.p - crease;
-            let bin = ((p + self.reach) * 2.0).round();
-            if bin >= 0.0 && (bin as usize) < count {
-                let sum = &mut sums[bin as usize];
-                *sum = [sum[0] + 1.0, sum[1] + p, sum[2] + row.light];
-            }
-        }
-        let row = |[weight, p, light]: &[f64; 3]| {
-            (*weight > 0.0).then(|| Row {
-                station: 0,
-                share: 0.0,
-                p: p / weight,
-                light: light / weight,
-                weight: *weight,
-            })
-        };
-        sums.iter().filter_map(row).collect()
-    }
-
-    /// The deviation of a pixel: robust, from the residuals.
-    fn noise(&self, problem: &Problem<'_>, best: &Minimum) -> f64 {
-        let mut off: Vec<f64> = Vec::with_capacity(self.rows.len());
-        problem.visit(&best.unknowns, |row, light, _| off.push((row.light - light).abs()));
-        let middle = off.len() / 2;
-        let median = *off.select_nth_unstable_by(middle, f64::total_cmp).1;
-        (1.4826 * median).max(NOISE[1]) * CORRELATED.sqrt()
-    }
-
+impl Plan<'_> {
     fn fit(
         &self,
         band: &Band,
@@ -425,56 +131,68 @@ impl<'a> Plan<'a> {
         let unknowns = &best.unknowns;
         let fields =
             (0..self.stations).map(|at| std::array::from_fn(|k| problem.field(unknowns, k, at))).collect();
-        let covariance = problem.normal(unknowns).1.matrix.try_inverse();
-        let deviation = |field: usize, station: usize| {
-            let (at, weights) = problem.bases[field].stations[station];
-            let at = problem.first(field) + at;
-            let used = |k: usize| weights[k] != 0.0;
-            let pair = |j: usize, k: usize, inverse: &nalgebra::DMatrix<f64>| {
-                weights[j] * weights[k] * inverse[(at + j, at + k)]
-            };
-            let sum = |inverse: &nalgebra::DMatrix<f64>| -> f64 {
-                (0..4)
-                    .flat_map(|j| (0..4).map(move |k| (j, k)))
-                    .filter(|&(j, k)| used(j) && used(k))
-                    .map(|(j, k)| pair(j, k, inverse))
-                    .sum()
-            };
-            covariance.as_ref().map_or(f64::INFINITY, sum).max(0.0).sqrt()
-        };
+        let covariance = best.normal.matrix.clone().try_inverse();
+        let deviation = |field, at| deviation(problem, covariance.as_ref(), field, at);
         let deviations =
             (0..self.stations).map(|at| [deviation(LN_WIDTH, at), deviation(LN_RATIO, at)]).collect();
-        let costs = problem.costs(unknowns);
+        let seen = self.seen(problem, unknowns, band.pixels.len());
         let flat_costs = flat.costs(&flat_best.unknowns);
         let smooth = smooth_light(&self.rows, self.length, self.stations, problem.noise);
-        let mut model = vec![0.0; band.pixels.len()];
+        let evidence = evidence(band, &seen.model);
+        let gains = flat_costs.iter().zip(&seen.costs).map(|(flat, cost)| evidence * (flat - cost)).collect();
+        let constants = problem.constants(unknowns);
+        Fit {
+            fields,
+            deviations,
+            constants: std::array::from_fn(|k| constants[k]),
+            gain: evidence * (smooth.cost - seen.costs.iter().sum::<f64>()),
+            smooth_bend: smooth.bend,
+            gains,
+            misfits: seen.misfits,
+            half_width: PAINT_WIDTHS * self.ln_width.exp(),
+            spacing: self.length / (self.stations - 1) as f64,
+            model: seen.model,
+            ground: if self.is_known { self.ground.clone() } else { Vec::new() },
+        }
+    }
+
+    /// What the model says of `count` pixels.
+    fn seen(&self, problem: &Problem<'_>, unknowns: &[f64], count: usize) -> Seen {
+        let mut model = vec![0.0; count];
+        let mut costs = vec![0.0; self.stations];
         let mut squares = vec![[0.0f64; 2]; self.stations];
         let mut place = self.order.iter();
         problem.visit(unknowns, |row, light, _| {
             if let Some(&pixel) = place.next() {
                 model[pixel] = light;
             }
+            let left = row.light - light;
+            costs[row.station] += row.weight * huber(left / problem.noise).0;
             let sum = &mut squares[row.station];
-            *sum = [sum[0] + 1.0, sum[1] + (row.light - light).powi(2)];
+            *sum = [sum[0] + 1.0, sum[1] + left * left];
         });
-        let evidence = evidence(band, &model);
-        let gains = flat_costs.iter().zip(&costs).map(|(flat, cost)| evidence * (flat - cost)).collect();
         let misfits = squares.iter().map(|[count, sum]| (sum / count.max(1.0)).sqrt()).collect();
-        let constants = problem.constants(unknowns);
-        Fit {
-            fields,
-            deviations,
-            constants: std::array::from_fn(|k| constants[k]),
-            gain: evidence * (smooth.cost - costs.iter().sum::<f64>()),
-            smooth_bend: smooth.bend,
-            gains,
-            misfits,
-            half_width: PAINT_WIDTHS * self.ln_width.exp(),
-            spacing: self.length / (self.stations - 1) as f64,
-            model,
-            ground: if self.is_known { self.ground.clone() } else { Vec::new() },
-        }
+        Seen { model, costs, misfits }
     }
+}
+
+/// What a model says of the pixels: the light of each; per station their cost and their root mean square misfit.
+struct Seen {
+    model: Vec<f64>,
+    costs: Vec<f64>,
+    misfits: Vec<f64>,
+}
+
+/// The deviation of a field at a station; infinite where the pixels do not say.
+fn deviation(problem: &Problem<'_>, covariance: Option<&DMatrix<f64>>, field: usize, station: usize) -> f64 {
+    let (first, weights) = problem.bases[field].stations[station];
+    let at = problem.first(field) + first;
+    let used = || (0..4).filter(|&k| weights[k] != 0.0);
+    let sum = |covariance: &DMatrix<f64>| -> f64 {
+        let pair = |j: usize, k: usize| weights[j] * weights[k] * covariance[(at + j, at + k)];
+        used().flat_map(|j| used().map(move |k| (j, k))).map(|(j, k)| pair(j, k)).sum()
+    };
+    covariance.map_or(f64::INFINITY, sum).max(0.0).sqrt()
 }
 
 /// What the gain in likelihood is worth: the more what is left of neighbouring pixels is alike, the more of them count as
@@ -492,63 +210,4 @@ fn evidence(band: &Band, model: &[f64]) -> f64 {
     let alike = (sum / count.max(1) as f64 / square.max(1e-12)).clamp(0.0, 0.9);
     let one = ((1.0 + alike) / (1.0 - alike)).powi(2);
     CORRELATED / one.min(MOST_CORRELATED)
-}
-
-/// How far the paint reaches to both sides, about: the median over stations of half of its extent, with what erosion took.
-fn half_width(rows: &[Row], intervals: usize) -> f64 {
-    let mut extents = vec![[f64::INFINITY, f64::NEG_INFINITY]; intervals];
-    for row in rows {
-        let extent = &mut extents[row.station];
-        *extent = [extent[0].min(row.p), extent[1].max(row.p)];
-    }
-    let mut halves: Vec<f64> = extents
-        .iter()
-        .filter(|extent| extent[1] > extent[0])
-        .map(|extent| 0.5 * (extent[1] - extent[0]) + 2.5)
-        .collect();
-    if halves.is_empty() {
-        return 1.0;
-    }
-    let middle = halves.len() / 2;
-    *halves.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// Where the valley runs beside the curve, per station: the middle of what is dark, smoothed.
-fn ridge(plan: &Plan<'_>) -> Vec<f64> {
-    let mut bins: Vec<Vec<[f64; 2]>> = vec![Vec::new(); plan.stations];
-    for row in &plan.rows {
-        let nearest = row.station + usize::from(row.share > 0.5);
-        bins[nearest].push([row.p, row.light]);
-    }
-    let found: Vec<[f64; 2]> = bins.iter().map(|bin| dark_middle(bin)).collect();
-    let weighted = |at: usize| {
-        let mut sums = [1e-9, 0.0];
-        for other in at.saturating_sub(2)..(at + 3).min(found.len()) {
-            let weight = found[other][0] / (1.0 + (other as f64 - at as f64).powi(2));
-            sums = [sums[0] + weight, sums[1] + weight * found[other][1]];
-        }
-        sums[1] / sums[0]
-    };
-    (0..found.len()).map(weighted).collect()
-}
-
-/// How much is dark across the curve, and the middle of it.
-fn dark_middle(bin: &[[f64; 2]]) -> [f64; 2] {
-    if bin.len() < 8 {
-        return [0.0; 2];
-    }
-    let mut lights: Vec<f64> = bin.iter().map(|[_, light]| *light).collect();
-    lights.sort_by(f64::total_cmp);
-    let (dark, bright) = (lights[lights.len() / 20], lights[lights.len() * 9 / 10]);
-    let threshold = bright - 0.4 * (bright - dark);
-    let mut sums = [0.0; 2];
-    for [p, light] in bin.iter().filter(|[_, light]| *light < threshold) {
-        let weight = threshold - light;
-        sums = [sums[0] + weight, sums[1] + weight * p];
-    }
-    match sums[0] > 0.0 {
-        // Noise has dark pixels as well: only what is much darker counts.
-        true => [(bright - dark - 3.0 * NOISE[0]).max(0.0) + 1e-6, sums[1] / sums[0]],
-        false => [0.0; 2],
-    }
 }

@@ -3,11 +3,12 @@
 use crate::Picture;
 use crate::albedo::combined_albedo;
 use crate::curve::Curve;
-use crate::fit::{Fit, station_count};
+use crate::fit::Fit;
 use crate::ground::{Ground, Surface};
 use crate::paint::{Band, band};
 use crate::paper;
 use crate::params::{Model, Params};
+use crate::plan::station_count;
 use crate::problem::{CREASE, LN_LIGHT, LN_RATIO, LN_WIDTH, LOPSIDED, ROUND};
 use artifact::{Curve2d, Section, SectionDeviation, SectionState};
 use nalgebra::Vector2;
@@ -26,6 +27,10 @@ const SHALLOWEST: f64 = 0.055;
 const SHALLOW: f64 = 0.09;
 /// … as this share of how far the paint reaches: its rims are not seen.
 const WIDE: f64 = 0.85;
+/// A valley on less than this share of the paint …
+const PART: f64 = 0.5;
+/// … must explain the image so many times better.
+const PART_GATE: f64 = 3.0;
 /// A section needs paint within so many px along the curve.
 const GAP_PX: f64 = 5.0;
 
@@ -92,9 +97,10 @@ pub fn measure(painted: &Painted, params: &Params, albedo: f64) -> Measured {
         let sections = places.iter().map(|&x| failed_section(curve, x)).collect();
         return Measured { sections, model: vec![1.0; band.pixels.len()], gain: 0.0 };
     };
-    let is_uneven = is_uneven_light(&fit, params);
+    let is_flat = is_uneven_light(&fit, params)
+        || is_chance(&fit, params, places.iter().copied().filter(|&x| paint.near(x)));
     let sections =
-        places.iter().map(|&x| section(&fit, curve, x, params, [paint.near(x), is_uneven])).collect();
+        places.iter().map(|&x| section(&fit, curve, x, params, [paint.near(x), is_flat])).collect();
     Measured { sections, model: fit.model, gain: fit.gain }
 }
 
@@ -166,7 +172,7 @@ impl Coverage {
     }
 }
 
-fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, [is_covered, is_uneven]: [bool; 2]) -> Section {
+fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, [is_covered, is_flat]: [bool; 2]) -> Section {
     let ([w, d], deviation, crease, light) = {
         let (fields, deviations) = fit.at(x);
         let (w, ratio) = (fields[LN_WIDTH].exp(), fields[LN_RATIO].exp());
@@ -186,13 +192,13 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, [is_covered, is_un
     let normal = Vector2::new(-along.y, along.x).try_normalize(1e-9).unwrap_or(right);
     let station = ((x / fit.spacing) as usize).min(fit.misfits.len().saturating_sub(2));
     let state = match () {
-        () if !is_covered => SectionState::Failed,
+        () if !is_covered || fit.leans(x) => SectionState::Failed,
         // Too little is seen to say that there is no valley.
         () if fit.gain < params.gate && fit.half_width < NARROW_PX => SectionState::Failed,
         // Like no groove, but too dark for flat paint.
         () if fit.gain < params.gate && fit.smooth_bend > MOST_BEND => SectionState::Failed,
         () if fit.gain < params.gate || local_gain(fit, x) < LOCAL_GATE * params.gate => SectionState::Flat,
-        () if is_uneven => SectionState::Flat,
+        () if is_flat => SectionState::Flat,
         () => SectionState::Measured,
     };
     let has_valley = state == SectionState::Measured;
@@ -224,6 +230,14 @@ fn is_uneven_light(fit: &Fit, params: &Params) -> bool {
     };
     let (w, ratio) = (middle(LN_WIDTH), middle(LN_RATIO));
     ratio < SHALLOWEST || ratio < SHALLOW && w > WIDE * fit.half_width
+}
+
+/// Whether what looks like a valley on some of the paint may be chance: a long wrinkle has many places for it.
+fn is_chance(fit: &Fit, params: &Params, covered: impl Iterator<Item = f64>) -> bool {
+    let [seen, all] = covered.fold([0usize; 2], |[seen, all], x| {
+        [seen + usize::from(local_gain(fit, x) >= LOCAL_GATE * params.gate), all + 1]
+    });
+    (seen as f64) < PART * all as f64 && fit.gain < PART_GATE * params.gate
 }
 
 fn local_gain(fit: &Fit, x: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! The extended model of a wrinkle's image: all painted pixels of one wrinkle against values at stations along it.
 
-use crate::blur::{COLUMNS, Table};
+use crate::blur::{Bell, COLUMNS, Table};
 use crate::shading::{BEND, EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
 use crate::spline::Basis;
 use nalgebra::{DMatrix, DVector};
@@ -90,6 +90,7 @@ pub(crate) struct Problem<'a> {
     /// Per station what is known of t and c before, 1/px for the latter; their unknowns are what is left.
     pub(crate) ground: &'a [[f64; 2]],
     pub(crate) places: &'a [f64; NODES],
+    pub(crate) bell: &'a Bell,
 }
 
 /// Cost at a point, with its Gauss–Newton matrix and (half) gradient.
@@ -157,7 +158,7 @@ impl Problem<'_> {
             };
             let table = match (tables.last(), last == Some(groove)) {
                 (Some(table), true) => table.clone(),
-                _ => Table::of(&Lit::of(&groove, self.places), self.blur, self.reach),
+                _ => Table::of(&Lit::of(&groove, self.places), self.blur, self.reach, self.bell),
             };
             tables.push(table);
             last = Some(groove);
@@ -172,7 +173,8 @@ impl Problem<'_> {
         let (place, level) = (row.p - mix(CREASE), mix(LN_LIGHT).exp());
         let across = row.p / RISE_PX;
         let gain = level * (1.0 + mix(RISE) * across);
-        let sampled = ends.tables.map(|table| table.at(place));
+        let tap = ends.tables[0].tap(place);
+        let sampled = ends.tables.map(|table| table.at(&tap));
         let both = |column: usize| shares[0] * sampled[0].0[column] + shares[1] * sampled[1].0[column];
         let (light, slope) = (both(0), shares[0] * sampled[0].1 + shares[1] * sampled[1].1);
         let mut by = [0.0; LOCAL];
@@ -357,7 +359,7 @@ mod tests {
                 Row { station: along as usize, share: along.fract(), p, light, weight: 1.0 }
             })
             .collect();
-        let nodes = places();
+        let (nodes, bell) = (places(), Bell::new());
         let mut problem = Problem {
             rows: &rows,
             bases: std::array::from_fn(|field| Basis::new(32.0, 12.0 + 6.0 * field as f64, 5)),
@@ -372,6 +374,7 @@ mod tests {
             widest: 4.0,
             ground: &[[0.1, -0.004]; 5],
             places: &nodes,
+            bell: &bell,
         };
         let mut unknowns: Vec<f64> =
             (0..problem.count()).map(|k| 0.02 * ((k * 7 % 5) as f64 - 2.0)).collect();

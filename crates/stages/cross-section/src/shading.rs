@@ -173,15 +173,22 @@ fn cosine(horizon: f64, ground: f64) -> [f64; 3] {
     [(1.0 + horizon * ground) * lengths, turn * far, -turn * near]
 }
 
+/// Sine and cosine of `2 atan(horizon) + α`, from those of α.
+fn twice_and(horizon: f64, sine: f64, cosine: f64) -> (f64, f64) {
+    let square = horizon * horizon;
+    let (twice_sine, twice_cosine) = (2.0 * horizon / (1.0 + square), (1.0 - square) / (1.0 + square));
+    (twice_sine * cosine + twice_cosine * sine, twice_cosine * cosine - twice_sine * sine)
+}
+
 /// What a sky that gets brighter by one unit towards p > 0 adds to a point between horizons at slopes `left` and `right` on ground
 /// of a slope, with derivatives by the three: `4/(3π) C`, `C = ½ (hi − lo) cos φ + ¼ (sin(2 hi − φ) − sin(2 lo − φ))` with
 /// lo = e_R, hi = π − e_L, φ = θ + π/2.
 fn skewed(left: f64, right: f64, slope: f64) -> [f64; 4] {
-    let (high, low, lean) = (left.atan(), right.atan(), slope.atan());
-    let open = PI - high - low;
-    let (sine, cosine) = lean.sin_cos();
-    let ((sine_left, cosine_left), (sine_right, cosine_right)) =
-        ((2.0 * high + lean).sin_cos(), (2.0 * low - lean).sin_cos());
+    let open = PI - (left + right).atan2(1.0 - left * right);
+    let along = 1.0 / (1.0 + slope * slope).sqrt();
+    let (sine, cosine) = (slope * along, along);
+    let [(sine_left, cosine_left), (sine_right, cosine_right)] =
+        [(left, sine), (right, -sine)].map(|(horizon, sine)| twice_and(horizon, sine, cosine));
     let share = 4.0 / (3.0 * PI);
     let by = |angle: f64, slope: f64| share * angle / (1.0 + slope * slope);
     [
