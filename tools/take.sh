@@ -63,6 +63,7 @@ begin_run() { # OUT [AGAIN]
     [[ -z ${2:-} ]] || rm -rf "$run/keys"
     mkdir -p "$run/keys" "$run/log"
     touch "$run/keys/.$tool"
+    : >"$run/keys/.steps"
 }
 
 # Refuses what a user brings from the folder that a run makes.
@@ -108,9 +109,9 @@ marks() { # PATH...
 }
 
 # Does a step, unless it was done with the same inputs and words by the same programs, and what it made is as it was left. Its
-# messages are kept. A step that is stopped leaves no key, so that nothing half done passes for done.
+# messages are kept. A step that is stopped leaves no key, so that nothing half done passes for done. CLEAR: a folder that is removed first.
 step() { # NAME OUTPUT... : INPUT... -- PROGRAM WORD...
-    local name=$1 outputs=() inputs=() key begin program
+    local name=$1 outputs=() inputs=() key program TIMEFORMAT
     shift
     while [[ $1 != : ]]; do
         outputs+=("$1")
@@ -122,22 +123,20 @@ step() { # NAME OUTPUT... : INPUT... -- PROGRAM WORD...
         shift
     done
     shift
+    echo "$name" >>"$run/keys/.steps"
     key=$(printf '%s\0' "$@" | cat - <(stamp "${inputs[@]}") <(stat -L -c '%s %Y' "$bin/$1") | sha256sum)
     if [[ -e $run/keys/$name && $(head -n -1 "$run/keys/$name") == "$key"$'\n'"$(marks "${outputs[@]}")" ]]; then
         return
     fi
     rm -f "$run/keys/$name"
+    [[ -z ${CLEAR:-} ]] || rm -rf "$CLEAR"
     program=$1
     shift
-    begin=$EPOCHREALTIME
-    "$bin/$program" "$@" 2> >(tee "$run/log/$name.txt" >&2) ||
+    {
+        TIMEFORMAT='%R %U %S'
+        time "$bin/$program" "$@" 2> >(tee "$run/log/$name.txt" >&3)
+    } 3>&2 2>"$run/.seconds" ||
         fail "$name did not end (see above; the log is $run/log/$name.txt). What was done before it is kept: call this again"
-    { printf '%s\n' "$key" && marks "${outputs[@]}" && elapsed "$begin"; } >"$run/.key"
+    { printf '%s\n' "$key" && marks "${outputs[@]}" && cat "$run/.seconds"; } >"$run/.key"
     mv "$run/.key" "$run/keys/$name"
-}
-
-# Seconds since a moment of EPOCHREALTIME.
-elapsed() { # MOMENT
-    local us=$((${EPOCHREALTIME/[.,]/} - ${1/[.,]/}))
-    printf '%d.%02d\n' $((us / 1000000)) $((us % 1000000 / 10000))
 }
