@@ -18,17 +18,20 @@ draw_sheets() {
         --columns 5 --size 360 --title 'What the footage makes of the scan' --out "$out/frames.png"
     sheets+=("$out/frames.png: the face over the take")
     [[ -n $folded ]] || return 0
-    local frame camera chosen
-    if [[ -n $pictures ]]; then
-        chosen=$("$root/tools/take-report" --frames "$medium/valleys.jsonl" "$wrinkles/sections.jsonl" 1000 | grep -wE "${pictures//,/|}") ||
-            fail "none of the frames $pictures has wrinkles in an image"
-    else
-        chosen=$("$root/tools/take-report" --frames "$medium/valleys.jsonl" "$wrinkles/sections.jsonl" $SHEET_FRAMES)
-    fi
-    [[ -n $chosen ]] || return 0
+    local frame camera
     while read -r frame camera; do
         draw_sheet "$frame" "$camera"
-    done <<<"$chosen"
+    done < <(chosen_frames)
+}
+
+# Frames to draw, and the camera that saw most of each.
+chosen_frames() {
+    local list=("$root/tools/take-report" --frames "$medium/valleys.jsonl" "$wrinkles/sections.jsonl")
+    if [[ -n $pictures ]]; then
+        "${list[@]}" 1000 | grep -wE "${pictures//,/|}" || fail "none of the frames $pictures has wrinkles in an image"
+    else
+        "${list[@]}" $SHEET_FRAMES
+    fi
 }
 
 # A frame, as a camera saw it and as it was found: all of the face, and a part of it near by.
@@ -74,25 +77,25 @@ draw_face() { # NAME SEQUENCE CAPTION OPTION...
 
 # Every intermediate beside the truth of a virtual take.
 score_run() {
-    score markers trajectories-3d "$capture/markers.jsonl"
-    score pose head-pose "$large/pose.jsonl"
+    # Boards do not know where the truth's world has its origin: up to one rigid motion of the whole take.
+    score head head-trajectories "$large/head.jsonl"
     score large-scale large-scale "$large/large-scale.json"
     [[ -n $folded ]] || return 0
-    if [[ -e $medium/named.jsonl ]]; then
-        # The names of the truth, by where wrinkles lie.
-        "$root/tools/same-wrinkles" "$medium/valleys.jsonl" --truth "$truth/valleys.jsonl" >"$out/scores/valleys.jsonl"
-        score valleys valleys "$out/scores/valleys.jsonl"
-    else
-        score sections sections "$wrinkles/sections.jsonl"
-        score valleys valleys "$medium/valleys.jsonl"
-    fi
-    score wrinkled wrinkled "$medium/wrinkled.json" --against "$large/large-scale.json"
+    # Valleys are known in frames with images only, and have the names of the truth if any.
+    "$root/tools/same-wrinkles" "$medium/valleys.jsonl" --truth "$truth" "$out/scores/valleys"
+    score valleys valleys "$out/scores/valleys/valleys.jsonl" --truth "$out/scores/valleys/truth"
+    # Two seconds a frame: those that are drawn.
+    local frame camera
+    while read -r frame camera; do
+        score "wrinkled-$frame" wrinkled "$medium/wrinkled.json" --against "$large/large-scale.json" --frames "$frame-$frame" --stage "frame $frame"
+    done < <(chosen_frames)
 }
 
 score() { # NAME KIND RESULT OPTION...
     local name=$1 kind=$2 file=$3
     shift 3
-    if "$bin/virtual-rig" score "$kind" "$file" --truth "$truth" "$@" --json --quiet >"$out/scores/$name.json"; then
+    [[ " $* " == *" --truth "* ]] || set -- "$@" --truth "$truth"
+    if "$bin/virtual-rig" score "$kind" "$file" "$@" --json --quiet >"$out/scores/$name.json"; then
         scores+=("$out/scores/$name.json")
     else
         printf 'the truth says nothing of %s (see above)\n' "$name" >&2
