@@ -171,7 +171,7 @@ const STAGES: &[Stage] = &[
         calls: &[
             "wrinkle-lift run --mesh 00-virtual-rig/take/scan.obj --unit mm --large-scale 07-linear-shell/large-scale.json \
              --warp 06-rbf-warp/warp.json --head-pose 05-stabilize/pose.jsonl --cameras 03-calibrate/cameras.json \
-             --sync 01-capture-sync/sync.jsonl --sections 11-cross-section/sections.jsonl --out 13-wrinkle-lift/valleys.jsonl",
+             --sync 01-capture-sync/sync.jsonl --sections 11-cross-section/sections.jsonl --step-mm 2 --out 13-wrinkle-lift/valleys.jsonl",
         ],
         artifacts: &[("valleys.jsonl", Numbers(LIFTED))],
     },
