@@ -10,12 +10,17 @@ opencv := "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video
 default:
     @just --list --unsorted
 
-# A whole run on a virtual take: from the footage of eight cameras to pictures of the moving face
+# A whole run on a virtual take: from the footage of eight cameras to pictures of the moving, wrinkled face
 [group('use')]
 demo *ARGS: build
     @tools/demo "$@"
 
-# The same on real recordings; says what is missing if their folder is not there
+# The same on your take's folder; asks for what is missing, and goes on where it was stopped: take TAKE [OUT] [OPTIONS]
+[group('use')]
+take *ARGS: build
+    @tools/take "$@"
+
+# Parts of it on real recordings; says what is missing if their folder is not there
 [group('use')]
 demo-real *ARGS: build
     @tools/demo-real "$@"

@@ -8,6 +8,14 @@ def results(path):
     return json.loads(beside.read_text())["data"]["results"] if beside.exists() else {}
 
 
+def frames(path):
+    """The frames of an artifact with frames."""
+    with open(path) as lines:
+        next(lines)
+        for line in lines:
+            yield json.loads(line)
+
+
 def table(rows):
     """Lines of aligned columns; the first row is the heading."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]

@@ -30,6 +30,10 @@ const ADJUSTED: f64 = 1e-5;
 const FITTED: f64 = 1e-3;
 /// Sequences are single precision: half a unit in the last place of 128 mm is 4e-6 mm.
 const SEQUENCE_MM: f64 = 1e-4;
+/// Valleys on the face, which Newton's method carries to the cameras, mm and shares.
+const LIFTED: f64 = 1e-5;
+/// Wrinkled faces: a descent that ends where a step changes little, mm.
+const FOLDED_MM: f64 = 1e-3;
 /// Pictures: a value between two levels may be rounded either way.
 const LEVELS: f64 = 2.0;
 
@@ -161,6 +165,27 @@ const STAGES: &[Stage] = &[
              --out 12-wrinkle-edit/sections.jsonl",
         ],
         artifacts: &[("sections.jsonl", Numbers(EXACT_PX))],
+    },
+    Stage {
+        folder: "13-wrinkle-lift",
+        calls: &[
+            "wrinkle-lift run --mesh 00-virtual-rig/take/scan.obj --unit mm --large-scale 07-linear-shell/large-scale.json \
+             --warp 06-rbf-warp/warp.json --head-pose 05-stabilize/pose.jsonl --cameras 03-calibrate/cameras.json \
+             --sync 01-capture-sync/sync.jsonl --sections 11-cross-section/sections.jsonl --step-mm 2 --out 13-wrinkle-lift/valleys.jsonl",
+        ],
+        artifacts: &[("valleys.jsonl", Numbers(LIFTED))],
+    },
+    Stage {
+        folder: "14-shell-synth",
+        calls: &[
+            "shell-synth --mesh 00-virtual-rig/take/scan.obj --unit mm --large-scale 07-linear-shell/large-scale.json \
+             --valleys 13-wrinkle-lift/valleys.jsonl --out 14-shell-synth/wrinkled.json",
+        ],
+        artifacts: &[
+            ("wrinkled.json", Numbers(0.0)),
+            ("wrinkled.json", Distance(FOLDED_MM)),
+            ("wrinkled.pc2", Distance(FOLDED_MM)),
+        ],
     },
 ];
 
@@ -340,7 +365,17 @@ fn wrinkle_edit_makes_the_golden_edit() {
 }
 
 #[test]
-fn the_whole_chain_ends_in_the_golden_sequence() {
+fn wrinkle_lift_makes_the_golden_valleys() {
+    alone("13-wrinkle-lift");
+}
+
+#[test]
+fn shell_synth_makes_the_golden_wrinkles() {
+    alone("14-shell-synth");
+}
+
+#[test]
+fn the_whole_chain_ends_in_the_golden_sequences() {
     let folder = tempfile::tempdir().expect("a folder");
     if is_rewriting() {
         make_take(folder.path());
@@ -362,10 +397,13 @@ fn the_whole_chain_ends_in_the_golden_sequence() {
             }
         }
     }
-    let (golden, made) =
-        (tiny_face().join("07-linear-shell"), folder.path().join("07-linear-shell/large-scale.json"));
-    let fault = difference(folder.path(), &golden.join("large-scale.json"), &made, Distance(SEQUENCE_MM));
-    assert!(fault.is_none(), "\n{}", fault.unwrap_or_default());
+    for (file, mm) in
+        [("07-linear-shell/large-scale.json", SEQUENCE_MM), ("14-shell-synth/wrinkled.json", FOLDED_MM)]
+    {
+        let (golden, made) = (tiny_face().join(file), folder.path().join(file));
+        let fault = difference(folder.path(), &golden, &made, Distance(mm));
+        assert!(fault.is_none(), "\n{}", fault.unwrap_or_default());
+    }
 }
 
 /// A copy of a golden file in which the first fractional number after `after` is `by` larger.
@@ -404,6 +442,8 @@ fn the_yardsticks_see_what_is_off() {
         ("10-wrinkle-track/wrinkles.jsonl", "\"controls\":[[", 3e-6, Numbers(EXACT_PX)),
         ("11-cross-section/sections.jsonl", "\"d_px\":", 3e-3, Numbers(FITTED)),
         ("12-wrinkle-edit/sections.jsonl", "\"w_px\":", 3e-6, Numbers(EXACT_PX)),
+        ("13-wrinkle-lift/valleys.jsonl", "\"d_mm\":", 3e-5, Numbers(LIFTED)),
+        ("14-shell-synth/wrinkled.json", "\"frames\":[", 1.0, Numbers(0.0)),
     ];
     for (file, after, by, yardstick) in cases {
         let golden = tiny_face().join(file);

@@ -40,6 +40,7 @@ const CALLS: &[(&str, &[&str])] = &[
         ],
     ),
     ("preview", &["--mesh", MESH, "--unit", "mm", "--out", OUT]),
+    ("preview", &["tile", "missing-input.png", "--out", OUT]),
     (
         "rbf-warp",
         &[

@@ -45,8 +45,8 @@ fn footage_becomes_sections_a_table_and_pictures_and_a_second_run_only_what_is_n
         "curves.png",
         "sections.jsonl",
         "sections.jsonl.prov.json",
-        "pictures/w1-1001-sections.png",
-        "pictures/w2-1001-light.png",
+        "pictures/w1-1003-sections.png",
+        "pictures/w2-1003-light.png",
         "report.txt",
     ] {
         assert!(folder.path().join("out").join(name).exists(), "{name} is missing: {}", done.stderr);
@@ -56,13 +56,13 @@ fn footage_becomes_sections_a_table_and_pictures_and_a_second_run_only_what_is_n
         "{}",
         done.stdout
     );
-    let first = ["out/wrinkles.jsonl", "out/parts/1001-1001.jsonl", "out/sections.jsonl"]
+    let first = ["out/wrinkles.jsonl", "out/parts/1003-1003.jsonl", "out/sections.jsonl"]
         .map(|name| age(folder.path(), name));
     std::fs::write(folder.path().join("take/wrinkle-edits.txt"), "wrinkle-edits/1\nscale depth 2 of w1_*\n")
         .expect("a file");
     let again = wrinkles(folder.path(), &["take", "out"]);
     assert_eq!(again.code, Some(0), "{}", again.stderr);
-    let second = ["out/wrinkles.jsonl", "out/parts/1001-1001.jsonl", "out/sections.jsonl"]
+    let second = ["out/wrinkles.jsonl", "out/parts/1003-1003.jsonl", "out/sections.jsonl"]
         .map(|name| age(folder.path(), name));
     assert_eq!(first[..2], second[..2], "what was measured stays");
     assert!(second[2] > first[2], "the edits are new");

@@ -65,8 +65,10 @@ pub(crate) fn timelines(
         let exposures = camera.cadence.exposures.iter().map(|exposure| *exposure as f64);
         let points: Vec<(f64, f64)> = exposures.zip(stamps(camera)).collect();
         line(&points, nominal, params).map_or_else(
+            // A single image says when its camera began; its rate is the stated one.
             || {
                 Ok(Timeline {
+                    start: points.first().map_or(0.0, |(_, time)| (time - zero) * take_rate.hz()),
                     source: SyncSource::Timestamps,
                     ..Timeline::stated(camera.recording, take_rate)
                 })

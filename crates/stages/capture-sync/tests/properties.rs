@@ -198,6 +198,26 @@ fn a_shift_of_all_clocks_changes_nothing() {
 }
 
 #[test]
+fn a_single_stamped_image_stands_where_its_stamp_says() {
+    let (first, mut second) =
+        (Camera::new("m1", 1, 0.0, 0.0), Camera::new("w1", 4, 2.0, 0.0).film(4, false, 2));
+    let found = |second: &Recording| {
+        synchronize(&clock(), &[first.film(6, false, 1), second.clone()], &params(Mode::Timestamps)).unwrap()
+    };
+    let shows = |second: &Recording| -> Vec<i64> {
+        let shown = |frame: &SyncFrame| frame.shows.get("w1").copied().flatten().is_some();
+        found(second).frames.iter().filter(|frame| shown(frame)).map(|frame| frame.frame).collect()
+    };
+    assert_eq!(second.images.len(), 1);
+    assert_eq!(shows(&second), [FIRST + 2]);
+    let clock = &found(&second).header.cameras["w1"];
+    assert_eq!((clock.phase, clock.offset_frames), (FIRST + 2, 0.0));
+    second.images[0].time_s = Some(0.085);
+    assert_eq!(shows(&second), [FIRST + 4]);
+    assert!((found(&second).header.cameras["w1"].offset_frames - 0.25).abs() < 1e-9);
+}
+
+#[test]
 fn a_late_stamp_is_no_drop() {
     let mut recording = Camera::new("m1", 1, 0.0, 0.0).film(200, false, 1);
     // Delivered late, then in time again.

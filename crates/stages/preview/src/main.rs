@@ -3,5 +3,5 @@
 mod commands;
 
 fn main() -> std::process::ExitCode {
-    stage::run(commands::draw::draw)
+    stage::run::<commands::Arguments>(commands::run)
 }

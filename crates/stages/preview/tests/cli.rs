@@ -63,6 +63,8 @@ const SMALL: [&str; 8] = ["--mesh", "rest.obj", "--unit", "cm", "--size", "96", 
 fn help() {
     let output = assert_cmd::cargo::cargo_bin_cmd!("preview").arg("--help").output().unwrap();
     insta::assert_snapshot!(String::from_utf8(output.stdout).unwrap());
+    let output = assert_cmd::cargo::cargo_bin_cmd!("preview").args(["tile", "--help"]).output().unwrap();
+    insta::assert_snapshot!("help_tile", String::from_utf8(output.stdout).unwrap());
 }
 
 #[test]
@@ -143,6 +145,54 @@ fn poses_are_drawn_side_by_side() {
         .success();
     let (width, height) = size_of(&folder.path().join("sheet.png"));
     assert!(width > 2 * 96 && height > 96 + 20, "{width} × {height}");
+}
+
+/// A picture of one colour.
+fn paint(path: &Path, [width, height]: [u32; 2], color: [u8; 3]) {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let picture = image::RgbImage::from_pixel(width, height, image::Rgb(color));
+    picture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    artifact::stage_bytes(path, bytes.get_ref()).unwrap().publish().unwrap();
+}
+
+#[test]
+fn pictures_are_fitted_into_the_cells_of_a_sheet() {
+    let folder = tempfile::tempdir().unwrap();
+    paint(&folder.path().join("wide.png"), [80, 40], [200, 0, 0]);
+    paint(&folder.path().join("tall.png"), [30, 90], [0, 0, 200]);
+    let pictures = ["wide.png", "tall.png", "wide.png@10,0,40,40"];
+    let rest = ["--size", "40", "--columns", "2", "--name", "one", "--name", "two", "--out", "sheet.png"];
+    preview(folder.path()).arg("tile").args(pictures).args(rest).assert().success();
+    let sheet =
+        image::load_from_memory(&artifact::read_bytes(&folder.path().join("sheet.png")).unwrap()).unwrap();
+    let sheet = sheet.to_rgb8();
+    let count = |color: [u8; 3]| sheet.pixels().filter(|pixel| pixel.0 == color).count();
+    // Half as large: 40 × 20; the part keeps its pixels: 40 × 40. The tall one: 13 × 40.
+    assert_eq!((count([200, 0, 0]), count([0, 0, 200])), (800 + 1600, 13 * 40));
+    let side_car = artifact::read_text(&folder.path().join("sheet.png.prov.json")).unwrap();
+    assert!(side_car.contains("preview tile") && side_car.contains("tall.png"), "{side_car}");
+}
+
+#[test]
+fn a_sheet_of_what_is_no_picture_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    paint(&folder.path().join("a.png"), [8, 8], [1, 2, 3]);
+    artifact::stage_bytes(&folder.path().join("b.png"), b"no picture").unwrap().publish().unwrap();
+    let cases: [(&[&str], i32, &str); 5] = [
+        (&["b.png"], 1, "b.png: is no PNG picture"),
+        (&["none.png"], 1, "none.png: cannot read"),
+        (&["a.png@4,0,5,5"], 1, "a.png: the part 4,0,5,5 is not within its 8 × 8 pixels"),
+        (&["a.png@0,0,0,5"], 2, "empty part"),
+        (&["a.png", "--name", "x", "--name", "y"], 1, "--name is given 2 times for 1 pictures"),
+    ];
+    for (arguments, code, message) in cases {
+        let output =
+            preview(folder.path()).arg("tile").args(arguments).args(["--out", "bad.png"]).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+        assert!(said.contains(message), "{arguments:?} said: {said}");
+        assert!(!folder.path().join("bad.png").exists());
+    }
 }
 
 /// Arguments, exit code, and what the message must say.

@@ -1,8 +1,9 @@
 //! The command line.
 
+use super::tile::Tile;
 use anyhow::bail;
 use artifact::{FrameRange, Unit};
-use clap::{Parser, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use preview::{Axes, Backdrop, CloseUp, ColorMap, SignedAxis, ValueRange, View};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -13,7 +14,30 @@ use std::path::PathBuf;
 /// reference, in millimetres.
 #[derive(Debug, Parser)]
 #[command(name = "preview", version, max_term_width = 100)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+    #[command(flatten)]
+    pub(crate) drawing: Option<Drawing>,
+    #[command(flatten)]
+    common: stage::Common,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Tile(Tile),
+}
+
+impl stage::Arguments for Arguments {
+    fn common(&self) -> &stage::Common {
+        &self.common
+    }
+}
+
+/// What is drawn, and how.
+#[derive(Debug, Args)]
+pub(crate) struct Drawing {
     /// The (rest) mesh
     #[arg(long, value_name = "OBJ")]
     pub(crate) mesh: PathBuf,
@@ -89,17 +113,9 @@ pub(crate) struct Arguments {
     /// The picture, PNG
     #[arg(long, value_name = "PNG")]
     pub(crate) out: PathBuf,
-    #[command(flatten)]
-    common: stage::Common,
 }
 
-impl stage::Arguments for Arguments {
-    fn common(&self) -> &stage::Common {
-        &self.common
-    }
-}
-
-impl Arguments {
+impl Drawing {
     /// What colours mean; refuses what does not go together.
     pub(crate) fn coloring(&self) -> anyhow::Result<Coloring> {
         let has_reference = self.reference.is_some();
@@ -179,7 +195,7 @@ impl From<BackdropName> for Backdrop {
     }
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let side = |part: &str| match part.trim().parse::<u32>() {
         Ok(pixels) if (16..=8192).contains(&pixels) => Ok(pixels),
         _ => Err(format!("'{text}' is not a size; say e.g. 720 or 600x800, each side 16 to 8192")),

@@ -1,6 +1,6 @@
 //! Reads, draws, writes.
 
-use super::arguments::{Arguments, Coloring};
+use super::arguments::{Coloring, Drawing};
 use super::shots::{Reference, Rest, Shot, Source, open_sequence, select};
 use anyhow::{Context, bail};
 use artifact::{FrameReader, Handles};
@@ -39,24 +39,24 @@ struct Finding {
     spread_mm: Spread,
 }
 
-pub(crate) fn draw(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
+pub(crate) fn draw(run: &mut Run, arguments: &Drawing) -> anyhow::Result<()> {
     let coloring = arguments.coloring()?;
     let (axes, close_up) = (arguments.axes()?, arguments.close_up()?);
     let (mesh, reference) = run.mesh("mesh", &arguments.mesh, &[("--unit", arguments.unit)])?;
-    let source = open(run, &arguments, Rest { path: &arguments.mesh, mesh: &mesh, reference })?;
-    let shots = choose(&arguments, &source)?;
+    let source = open(run, arguments, Rest { path: &arguments.mesh, mesh: &mesh, reference })?;
+    let shots = choose(arguments, &source)?;
     let mut surface = Surface::of(&mesh);
-    surface.dots = handles(run, &arguments, &source.rest)?;
+    surface.dots = handles(run, arguments, &source.rest)?;
 
     let measure = Measure { coloring, rest: &mesh.positions };
     let mut frames: Vec<Frame> =
         arguments.view.iter().map(|&view| Frame::around(view, axes, &mesh.positions)).collect();
     let survey = survey(&source, &shots, &measure, &mut frames)?;
     let range = arguments.range_mm.unwrap_or(ValueRange::up_to(survey.high));
-    let look = look(&arguments, range);
+    let look = look(arguments, range);
     look.check()?;
-    let columns = columns(&arguments, shots.len());
-    check_size(&arguments, shots.len(), columns)?;
+    let columns = columns(arguments, shots.len());
+    check_size(arguments, shots.len(), columns)?;
     run.parameters(&Parameters {
         look: &look,
         color: coloring,
@@ -82,10 +82,10 @@ pub(crate) fn draw(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let sheet = Sheet { columns, backdrop: studio.look.backdrop, title: arguments.title.clone(), bar };
     let ordered = arrange(cells, studio.views.len(), columns, shots.len());
     let picture = sheet::compose(&sheet, &ordered)?;
-    write(run, &arguments, &picture)
+    write(run, arguments, &picture)
 }
 
-fn open<'a>(run: &mut Run, arguments: &Arguments, rest: Rest<'a>) -> anyhow::Result<Source<'a>> {
+fn open<'a>(run: &mut Run, arguments: &Drawing, rest: Rest<'a>) -> anyhow::Result<Source<'a>> {
     let sequence = arguments.sequence.as_ref();
     let sequence = sequence.map(|path| open_sequence(run, "sequence", path, &rest)).transpose()?;
     let reference = arguments.reference.as_ref();
@@ -93,7 +93,7 @@ fn open<'a>(run: &mut Run, arguments: &Arguments, rest: Rest<'a>) -> anyhow::Res
     Ok(Source { rest, sequence, reference })
 }
 
-fn choose(arguments: &Arguments, source: &Source) -> anyhow::Result<Vec<Shot>> {
+fn choose(arguments: &Drawing, source: &Source) -> anyhow::Result<Vec<Shot>> {
     if let Some(sequence) = &source.sequence {
         let frames = select(sequence, &arguments.frames, arguments.count)?;
         return Ok(frames.into_iter().map(Shot::Frame).collect());
@@ -104,7 +104,7 @@ fn choose(arguments: &Arguments, source: &Source) -> anyhow::Result<Vec<Shot>> {
     }
 }
 
-fn handles(run: &mut Run, arguments: &Arguments, rest: &Rest) -> anyhow::Result<Vec<u32>> {
+fn handles(run: &mut Run, arguments: &Drawing, rest: &Rest) -> anyhow::Result<Vec<u32>> {
     let Some(path) = &arguments.handles else { return Ok(Vec::new()) };
     run.input("handles", path)?;
     let reader = FrameReader::<Handles>::open(path)?;
@@ -174,7 +174,7 @@ fn survey(
     Ok(survey)
 }
 
-fn look(arguments: &Arguments, range: ValueRange) -> Look {
+fn look(arguments: &Drawing, range: ValueRange) -> Look {
     Look {
         backdrop: arguments.background.into(),
         wireframe: arguments.wireframe,
@@ -234,7 +234,7 @@ fn shoot(
 }
 
 /// Several shots in several views: a row per view, wrapped together. One shot: its views side by side.
-fn columns(arguments: &Arguments, shot_count: usize) -> usize {
+fn columns(arguments: &Drawing, shot_count: usize) -> usize {
     let across = if shot_count == 1 { arguments.view.len() } else { shot_count };
     let limit = match arguments.view.len() {
         1 if across > 4 => (across as f64).sqrt().ceil() as usize,
@@ -244,7 +244,7 @@ fn columns(arguments: &Arguments, shot_count: usize) -> usize {
 }
 
 /// Refuses a sheet that is too large before the work begins.
-fn check_size(arguments: &Arguments, shot_count: usize, columns: usize) -> anyhow::Result<()> {
+fn check_size(arguments: &Drawing, shot_count: usize, columns: usize) -> anyhow::Result<()> {
     let rows = (shot_count * arguments.view.len()).div_ceil(columns);
     let [width, height] = arguments.size.map(|side| side as usize);
     sheet::check_size(columns * width, rows * height).context("to do: choose a smaller --size or --count")
@@ -283,7 +283,7 @@ fn caption(coloring: Coloring) -> String {
     }
 }
 
-fn write(run: &mut Run, arguments: &Arguments, picture: &RgbImage) -> anyhow::Result<()> {
+fn write(run: &mut Run, arguments: &Drawing, picture: &RgbImage) -> anyhow::Result<()> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut bytes, ImageFormat::Png)?;
     let staged = artifact::stage_bytes(&arguments.out, bytes.get_ref())?;
