@@ -112,9 +112,8 @@ impl Refinement {
             let (Some(corners), Some(parts)) = (old.get(point.face as usize), parts.get(&point.face)) else {
                 continue;
             };
-            let at: nalgebra::Vector3<f64> = (0..3)
-                .map(|i| scan.positions[corners[i] as usize].coords * point.barycentric[i])
-                .sum();
+            let at: nalgebra::Vector3<f64> =
+                (0..3).map(|i| scan.positions[corners[i] as usize].coords * point.barycentric[i]).sum();
             let place = crate::locator::nearest_of(parts, &new, &self.mesh.positions, &Point3::from(at));
             if let Some((place, _)) = place {
                 (point.face, point.barycentric) = (place.triangle, place.shares);
@@ -166,7 +165,8 @@ impl Splitter {
     /// Halves what is too long near a crease, and what must be so that triangles fit.
     fn refine(&mut self, surface: &Surface, need: &Need) {
         let longest = need.curve.places.iter().flat_map(|place| self.pieces[place.triangle as usize].iter());
-        let reach_mm = 3.0 * FINE_WIDTHS * need.width_mm + longest.map(|piece| self.longest(piece).0).fold(0.0, f64::max);
+        let reach_mm = 3.0 * FINE_WIDTHS * need.width_mm
+            + longest.map(|piece| self.longest(piece).0).fold(0.0, f64::max);
         let near = reach(surface, &need.curve, reach_mm);
         let mut origins: Vec<u32> =
             near.iter().flat_map(|beside| surface.around(beside.vertex)).copied().collect();
@@ -174,8 +174,10 @@ impl Splitter {
         origins.dedup();
         for _ in 0..MOST_ROUNDS {
             let pieces = || origins.iter().flat_map(|&origin| &self.pieces[origin as usize]);
-            let edges: Vec<[u32; 2]> =
-                pieces().filter(|piece| self.is_too_long(piece, need)).map(|piece| self.longest(piece).1).collect();
+            let edges: Vec<[u32; 2]> = pieces()
+                .filter(|piece| self.is_too_long(piece, need))
+                .map(|piece| self.longest(piece).1)
+                .collect();
             if edges.is_empty() {
                 return;
             }
@@ -307,8 +309,7 @@ impl Splitter {
         }
         let origins = self.pieces.iter().flatten().map(|piece| piece.origin).collect();
         let labels = scan.labels.iter().map(move_label).collect();
-        let mesh =
-            Mesh { positions: self.positions, polygons, uvs: self.uvs, corner_uvs, colors, labels };
+        let mesh = Mesh { positions: self.positions, polygons, uvs: self.uvs, corner_uvs, colors, labels };
         Refinement { mesh, parents: self.parents, origins }
     }
 }

@@ -179,13 +179,17 @@ impl Wall<'_> {
     /// The plane through the crease that stands on the skin. Around the ends of a crease there is none.
     fn opposite(&self, beside: &Beside, foot: &Foot, side: f64) -> Option<Opposite> {
         let last = self.line.len() - 2;
-        let around_an_end = (foot.segment == 0 && foot.share <= 0.0)
-            || (foot.segment as usize == last && foot.share >= 1.0);
+        let around_an_end =
+            (foot.segment == 0 && foot.share <= 0.0) || (foot.segment as usize == last && foot.share >= 1.0);
         let along = self.line[foot.segment as usize + 1] - self.line[foot.segment as usize];
         let normal = self.normals[beside.vertex as usize];
         let across = along.cross(&normal).try_normalize(1e-9).filter(|_| !around_an_end)? * side;
         let gap = CONTACT_GAP_MM.min(0.5 * beside.foot.distance);
-        Some(Opposite { point: foot.point(self.line) + across * gap, normal: across, distance: beside.foot.distance })
+        Some(Opposite {
+            point: foot.point(self.line) + across * gap,
+            normal: across,
+            distance: beside.foot.distance,
+        })
     }
 }
 

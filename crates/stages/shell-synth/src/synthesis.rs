@@ -23,7 +23,7 @@ const HOLD_SHARE: f64 = 1.0 / 150.0;
 /// … and of the edge of its reach.
 const ANCHOR_SHARE: f64 = 1.0 / 1500.0;
 /// … and of the wall that opposite sides of a fold meet at.
-const CONTACT_SHARE: f64 = 1.0 / 3.0;
+const CONTACT_SHARE: f64 = 4.0;
 /// Step, mm, at which the coarse level stops.
 const COARSE_STEP_MM: f64 = 0.02;
 /// A start this near, mm, to the coarse level's own result is in the same fold.

@@ -225,7 +225,8 @@ fn a_finer_mesh_has_edges_enough_and_is_the_same_surface() {
     // Triangles fit: the boundary has not grown a hole, and far from the valley nothing changes.
     let around = mesh::Connectivity::of(made.mesh.positions.len(), &triangles);
     assert_eq!(around.boundary_loops().len(), 1);
-    let far = made.mesh.positions[scan.positions.len()..].iter().map(|p| (p.y - 9.0).abs()).fold(0.0, f64::max);
+    let far =
+        made.mesh.positions[scan.positions.len()..].iter().map(|p| (p.y - 9.0).abs()).fold(0.0, f64::max);
     assert!(far < 4.0, "{far}");
     // Every triangle keeps a third of the least angle at rest, and its side.
     for corners in triangles {
@@ -264,13 +265,14 @@ fn frames_and_valleys_are_carried_to_the_finer_mesh() {
 
 #[test]
 fn both_sides_of_a_fold_that_closes_stay_apart() {
-    // A deep narrow fold, in skin that is pushed together by a third.
+    // A deep narrow fold, in skin that is pushed together to half of its length.
     let crossed = |self_contact: bool| {
-        let valleys = [frame(1, &[("a", valley(30, 0.0, 0.9, 1.4))])];
-        let params = Params { self_contact, ..Params::default() };
+        let valleys = [frame(1, &[("a", valley(30, 0.0, 0.6, 3.0))])];
+        let params = Params { self_contact, influence_widths: 12.0, ..Params::default() };
         let synthesis = Synthesis::new(&plate(), &ids(&["a"]), &valleys, &params).unwrap();
-        let made = synthesis.frame(1, &pushed(0.65), None).unwrap();
-        let line = 9.0 * 0.65;
+        let made = synthesis.frame(1, &pushed(0.5), None).unwrap();
+        assert!(made.regions.iter().all(|region| region.descent.converged));
+        let line = 9.0 * 0.5;
         // How far vertices of one side lie beyond the crease, where the valley is.
         let beyond = |row: u32| {
             let side = if row > 30 { 1.0 } else { -1.0 };
@@ -279,6 +281,6 @@ fn both_sides_of_a_fold_that_closes_stay_apart() {
         (20..=40).filter(|&row| row != 30).map(beyond).fold(0.0, f64::max)
     };
     let (without, with) = (crossed(false), crossed(true));
-    assert!(without > 0.02, "the case is none: {without}");
+    assert!(without > 0.1, "the case is none: {without}");
     assert!(with < 0.01, "{with}");
 }
