@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 
+import operators
 from _takes import make
 
 # The definitions of region_error_ratio, bulge_height_rel and outside_moved stand in `virtual_rig::score::wrinkled`.
@@ -268,7 +269,72 @@ def frame_seconds(summary):
     return summary["seconds"]["synthesis"] / summary["results"]["frames"]
 
 
+def shell_hessian(rest, triangles):
+    """JᵀJ of the shell's edges, areas and dihedral angles at rest, three unknowns a vertex: what one step solves with."""
+    import scipy.sparse as sp
+
+    rows, columns, values, count = [], [], [], 0
+
+    def terms(vertices, slopes, weights):
+        """vertices: T × N; slopes: T × N × 3."""
+        nonlocal count
+        total, n = vertices.shape
+        rows.append(np.repeat(count + np.arange(total), 3 * n))
+        columns.append((3 * vertices[:, :, None] + np.arange(3)).ravel())
+        values.append((slopes * np.sqrt(weights)[:, None, None]).ravel())
+        count += total
+
+    corners = rest[triangles]
+    opposite = np.roll(corners, 1, 1) - np.roll(corners, -1, 1)
+    double = np.cross(opposite[:, 0], opposite[:, 1])
+    areas = 0.5 * np.linalg.norm(double, axis=1)
+    terms(triangles, 0.5 * np.cross(double[:, None] / (2 * areas)[:, None, None], opposite), 30_000 / areas)
+    sides = np.concatenate([np.stack([triangles[:, i], triangles[:, (i + 1) % 3], triangles[:, (i + 2) % 3]], 1) for i in range(3)])
+    key = np.sort(sides[:, :2], 1) @ np.array([len(rest), 1])
+    order = np.argsort(key, kind="stable")
+    unique, first, copies = np.unique(key[order], return_index=True, return_counts=True)
+    ends = sides[order[first]][:, :2]
+    along = rest[ends[:, 1]] - rest[ends[:, 0]]
+    length = np.linalg.norm(along, axis=1)
+    unit = along / length[:, None]
+    terms(ends, np.stack([-unit, unit], 1), 300 / length)
+    two = first[copies == 2]
+    around = np.column_stack([sides[order[two]], sides[order[two + 1]][:, 2]])
+    e, length = along[copies == 2], length[copies == 2]
+    arms = [rest[around[:, 2 + i]] - rest[around[:, 0]] for i in (0, 1)]
+    normals = [np.cross(e, arms[0]), np.cross(arms[1], e)]
+    apex = [-n * (length / (n**2).sum(1))[:, None] for n in normals]
+    foot = [((arm * e).sum(1) / length**2)[:, None] for arm in arms]
+    ends = [-(apex[0] * (1 - foot[0]) + apex[1] * (1 - foot[1])), -(apex[0] * foot[0] + apex[1] * foot[1])]
+    height = sum(np.linalg.norm(n, axis=1) for n in normals) / 2 / length / 3
+    terms(around, np.stack([*ends, *apex], 1), 20 * length / height)
+    jacobian = sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, 3 * len(rest)))
+    matrix = (2.0 * jacobian.T @ jacobian + 1e-3 * sp.identity(3 * len(rest))).tocsr()
+    matrix.sort_indices()
+    return matrix
+
+
+def bench_step(ctx, vertices=20_000, repeats=5):
+    """One linear solve of a region, ours against CHOLMOD's, the same matrix; one thread each, CPU seconds."""
+    rest, triangles = operators.face_like(vertices, ctx.seeds[0])
+    edges = np.linalg.norm(rest[triangles] - rest[np.roll(triangles, 1, 1)], axis=2)
+    rest = rest * (0.3 / np.median(edges))
+    handles = (3 * operators.spread_handles(rest, 30, 1)[:, None] + np.arange(3)).ravel()
+    problem = operators.write_problem(ctx.tmp / "step.bin", np.repeat(rest, 3, 0), shell_hessian(rest, triangles), np.sort(handles))
+    step = lambda run: operators.median(run["seconds"], "factor", 0) + operators.median(run["seconds"], "solve3", 0)
+    runs = {"ours": [], **{kernel: [] for kernel in operators.KERNELS}}
+    for _ in range(repeats):
+        runs["ours"].append(operators.ours(ctx, problem))
+        [runs[kernel].append(operators.peer(ctx, problem, kernel=kernel)) for kernel in operators.KERNELS]
+    times = {name: float(np.median([step(run) for run in rows])) for name, rows in runs.items()}
+    peer = min(times[kernel] for kernel in operators.KERNELS)
+    yield metric("step_vs_cholmod", times["ours"] / peer, 0.40, "lower", "1", seconds=times, vertices=len(rest), unknowns=3 * len(rest),
+                 timed="ours: analysis, factor, three columns; CHOLMOD: factor, three columns, its analysis left out",
+                 peer="CHOLMOD + METIS, the better of two sets of OpenBLAS kernels", clock="CPU seconds, one thread each")
+
+
 def bench(ctx):
+    yield from bench_step(ctx)
     folder = true_take(ctx, ctx.seeds[0], "--vertices", 700_000, "--count", 12, name="fine")
     last = known_frames(folder)[-1]
     rows = {"cold": [], "warm": [], "paper": []}

@@ -8,8 +8,13 @@ use serde::Serialize;
 
 /// Steps, at most.
 const MOST_STEPS: usize = 80;
-/// From a predicted decrease of this share of the energy on, the exact Hessian is tried.
-const EXACT_FROM: f64 = 1e-2;
+/// From a predicted decrease of this share of the energy on, the exact Hessian is tried, until it is not positive definite once:
+/// it seldom is soon after, and finding out costs as much as a step.
+const EXACT_FROM: f64 = 1e-3;
+/// A step of so many times the limit may be the last if steps shrink fast.
+const LAST_STEP: f64 = 5.0;
+/// Share of the limit that may be left to go then.
+const LEFT: f64 = 0.5;
 /// Share of the predicted decrease that a step must bring (Armijo's condition).
 const SUFFICIENT: f64 = 1e-4;
 /// The paper's relative decrease at which it stops.
@@ -73,19 +78,25 @@ pub(crate) fn minimise(
         };
         way.steps += 1;
         way.exact_steps += usize::from(is_exact);
-        let step_mm = longest(&direction) * moved;
+        let (before_mm, step_mm) = (way.last_step_mm, longest(&direction) * moved);
         *points = stepped(points, &direction, moved);
         (way.energy, way.last_step_mm) = (lower, step_mm);
         way.converged = match rule {
-            Rule::Step(limit) => step_mm < limit && moved == 1.0,
+            Rule::Step(limit) => moved == 1.0 && is_last(step_mm, before_mm, limit),
             Rule::Paper => energy - lower <= PAPER_DECREASE * energy,
         };
         if way.converged {
             return Ok(way);
         }
-        exact = rule != Rule::Paper && -0.5 * slope < EXACT_FROM * energy;
+        exact = rule != Rule::Paper && way.indefinite == 0 && -0.5 * slope < EXACT_FROM * energy;
     }
     Ok(way)
+}
+
+/// Whether a step, after one of `before` mm, leads near enough to the minimum: it is short, or steps shrink so fast that what is left is.
+fn is_last(step: f64, before: f64, limit: f64) -> bool {
+    let left = if step < before { step * step / (before - step) } else { f64::INFINITY };
+    step < limit || (step < LAST_STEP * limit && left < LEFT * limit)
 }
 
 /// The linear system of a patch; its factor's pattern is analysed once.

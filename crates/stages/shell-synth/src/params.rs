@@ -61,6 +61,8 @@ pub struct Params {
     pub longest_gap: u32,
     /// Start from the frame before where that gives the same result.
     pub warm_start: bool,
+    /// Keep both sides of a fold from going through each other.
+    pub self_contact: bool,
 }
 
 impl Default for Params {
@@ -73,7 +75,7 @@ impl Default for Params {
             slide: 0.6,
             track: Track::default(),
             resistance: 0.005,
-            influence_widths: 5.0,
+            influence_widths: 4.0,
             influence_mm: 12.0,
             fade_depth_mm: 0.1,
             rim_share: 0.15,
@@ -81,6 +83,7 @@ impl Default for Params {
             coarse_edge_mm: 0.6,
             longest_gap: 12,
             warm_start: true,
+            self_contact: false,
         }
     }
 }

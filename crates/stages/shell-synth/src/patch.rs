@@ -7,11 +7,21 @@ use crate::surface::{NONE, Surface};
 use nalgebra::{Point3, Vector3};
 use operators::{CsMat, Ordering};
 
-/// What pulls a free vertex to a place: `stiffness · ‖x − target‖²`.
+/// What pulls a free vertex to a place, `stiffness · ‖x − target‖²`, or keeps it from going behind a plane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spring {
     pub(crate) stiffness: f64,
     pub(crate) target: Point3<f64>,
+    /// Normal of a plane through the target: only what lies behind it is pulled, and only out of it.
+    pub(crate) plane: Option<Vector3<f64>>,
+}
+
+impl Spring {
+    /// How far a point is from where it may be.
+    pub(crate) fn stretch(&self, point: &Point3<f64>) -> Vector3<f64> {
+        let from = point - self.target;
+        self.plane.map_or(from, |normal| normal * normal.dot(&from).min(0.0))
+    }
 }
 
 /// Free vertices, the elements that touch them, and the pattern of their Hessian.
@@ -141,7 +151,7 @@ impl<'a> Patch<'a> {
 
     fn spring_energy(&self, points: &[Point3<f64>]) -> f64 {
         let of = |(point, springs): (&Point3<f64>, &Vec<Spring>)| -> f64 {
-            springs.iter().map(|spring| spring.stiffness * (point - spring.target).norm_squared()).sum()
+            springs.iter().map(|spring| spring.stiffness * spring.stretch(point).norm_squared()).sum()
         };
         points.iter().zip(&self.springs).map(of).sum()
     }

@@ -2,12 +2,13 @@
 
 use crate::Params;
 use crate::crease::Creases;
-use crate::curve::{Curve, nearest_from};
+use crate::curve::{Curve, Foot, nearest_from};
 use crate::moment::Moment;
 use crate::profile::{Profile, smooth_step};
 use crate::reach::Beside;
 use crate::surface::{NONE, Surface};
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 
 /// Over this last share of its reach a valley's influence fades.
 const FADE_SHARE: f64 = 0.35;
@@ -15,6 +16,10 @@ const FADE_SHARE: f64 = 0.35;
 const NORMAL_RADIUS_MM: f64 = 1.0;
 /// Rounds of averaging, at most.
 const MOST_ROUNDS: usize = 40;
+/// Sides of a fold that touch keep so far, mm, from the plane between them; less where they are nearer at rest.
+const CONTACT_GAP_MM: f64 = 0.05;
+/// Skin as far as this from the crease, in widths of the valley, may close it.
+const CONTACT_WIDTHS: f64 = 3.0;
 
 /// What the valleys ask of one vertex.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +33,17 @@ pub(crate) struct Claim {
     pub(crate) freedom: f64,
     /// The crease that lets it go farthest.
     pub(crate) crease: u32,
+    /// What keeps it from going through the other side of the fold.
+    pub(crate) opposite: Option<Opposite>,
+}
+
+/// A plane between both sides of a fold.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Opposite {
+    pub(crate) point: Point3<f64>,
+    /// Points to the vertex' own side.
+    pub(crate) normal: Vector3<f64>,
+    distance: f64,
 }
 
 /// A crease that is open in a frame.
@@ -64,8 +80,9 @@ pub(crate) fn claims(surface: &Surface, large: &[Point3<f64>], open: &[Open], pa
     let mut claims: Vec<Claim> = Vec::new();
     for valley in open {
         let line = valley.curve.on(surface, large);
-        for beside in valley.reach {
-            let claim = Wall { valley, line: &line, large, normals: &normals, params }.claim(beside);
+        let wall = Wall { valley, line: &line, large, normals: &normals, params };
+        let asked: Vec<Claim> = valley.reach.par_iter().map(|beside| wall.claim(beside)).collect();
+        for (beside, claim) in valley.reach.iter().zip(asked) {
             if claim.hold <= 0.0 && claim.freedom <= 0.0 {
                 continue;
             }
@@ -97,6 +114,8 @@ fn merge(first: &mut Claim, second: &Claim, large: &Point3<f64>, normal: &Vector
     if second.freedom > first.freedom {
         (first.freedom, first.crease) = (second.freedom, second.crease);
     }
+    let nearer = |second: &Opposite| first.opposite.is_none_or(|first| second.distance < first.distance);
+    first.opposite = second.opposite.filter(nearer).or(first.opposite);
 }
 
 /// A valley in a frame.
@@ -121,11 +140,22 @@ impl Wall<'_> {
             target: at,
             freedom: depth * smooth_step(edge),
             crease: self.valley.crease,
+            opposite: None,
         };
         if section.d_mm <= 0.0 {
             return claim;
         }
         let side = 1f64.copysign(beside.across_mm);
+        if self.params.self_contact && beside.foot.distance < CONTACT_WIDTHS * section.w_mm {
+            claim.opposite = self.opposite(beside, &foot, side);
+        }
+        // An arc is longer than its span by no more than it goes up and down: up the wall, over the bulge (at ũ = 2) and down.
+        // Most vertices are farther out than that, and need no integral.
+        let bulge = (section.epsilon - 2.0).exp() / (1.0 - section.epsilon);
+        let least = beside.foot.distance - section.d_mm * (1.0 + 2.0 * bulge);
+        if foot.distance + self.params.slide * (least - foot.distance) >= section.side_mm(side) {
+            return claim;
+        }
         let inextensible = section.distance_of_arc(beside.foot.distance, side);
         let distance = foot.distance + self.params.slide * (inextensible - foot.distance);
         let rim = distance / section.side_mm(side);
@@ -142,6 +172,24 @@ impl Wall<'_> {
             outwards.try_normalize(1e-9).map_or(Vector3::zeros(), |unit| unit * (distance - foot.distance));
         claim.target = at + slide + normal * section.at(side * distance).0;
         claim
+    }
+}
+
+impl Wall<'_> {
+    /// The plane through the crease that stands on the skin. Around the ends of a crease there is none.
+    fn opposite(&self, beside: &Beside, foot: &Foot, side: f64) -> Option<Opposite> {
+        let last = self.line.len() - 2;
+        let around_an_end =
+            (foot.segment == 0 && foot.share <= 0.0) || (foot.segment as usize == last && foot.share >= 1.0);
+        let along = self.line[foot.segment as usize + 1] - self.line[foot.segment as usize];
+        let normal = self.normals[beside.vertex as usize];
+        let across = along.cross(&normal).try_normalize(1e-9).filter(|_| !around_an_end)? * side;
+        let gap = CONTACT_GAP_MM.min(0.5 * beside.foot.distance);
+        Some(Opposite {
+            point: foot.point(self.line) + across * gap,
+            normal: across,
+            distance: beside.foot.distance,
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::energy::Term;
 use crate::patch::Spring;
-use nalgebra::{Matrix3, Point3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Terms added up into a gradient and a matrix.
 pub(crate) struct Sum<'a> {
@@ -43,9 +43,13 @@ impl Sum<'_> {
     }
 
     pub(crate) fn add_spring(&mut self, vertex: u32, at: Point3<f64>, spring: &Spring) {
-        let pull = at - spring.target;
-        self.energy += spring.stiffness * pull.norm_squared();
-        (0..3).for_each(|c| self.gradient[3 * vertex as usize + c] += 2.0 * spring.stiffness * pull[c]);
-        self.add_block(vertex, vertex, &(Matrix3::identity() * (2.0 * spring.stiffness)));
+        let (stretch, twice) = (spring.stretch(&at), 2.0 * spring.stiffness);
+        if stretch == Vector3::zeros() && spring.plane.is_some() {
+            return;
+        }
+        self.energy += spring.stiffness * stretch.norm_squared();
+        (0..3).for_each(|c| self.gradient[3 * vertex as usize + c] += twice * stretch[c]);
+        let along = spring.plane.map_or(Matrix3::identity(), |normal| normal * normal.transpose());
+        self.add_block(vertex, vertex, &(along * twice));
     }
 }

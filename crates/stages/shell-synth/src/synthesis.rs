@@ -22,6 +22,8 @@ use rayon::prelude::*;
 const HOLD_SHARE: f64 = 1.0 / 150.0;
 /// … and of the edge of its reach.
 const ANCHOR_SHARE: f64 = 1.0 / 1500.0;
+/// … and of the wall that opposite sides of a fold meet at.
+const CONTACT_SHARE: f64 = 4.0;
 /// Step, mm, at which the coarse level stops.
 const COARSE_STEP_MM: f64 = 0.02;
 /// A start this near, mm, to the coarse level's own result is in the same fold.
@@ -178,13 +180,25 @@ impl Synthesis {
         let mut springs = Vec::new();
         if claim.hold > 0.0 {
             let firm = claim.hold / (1.0 - claim.hold);
-            springs.push(Spring { stiffness: HOLD_SHARE * stiffness * firm, target: claim.target });
+            springs.push(Spring {
+                stiffness: HOLD_SHARE * stiffness * firm,
+                target: claim.target,
+                plane: None,
+            });
         }
         if claim.freedom < 1.0 {
             let firm = 1.0 / claim.freedom.max(1e-3) - 1.0;
             springs.push(Spring {
                 stiffness: ANCHOR_SHARE * stiffness * firm * (1.0 - claim.hold),
                 target: *large,
+                plane: None,
+            });
+        }
+        if let Some(wall) = claim.opposite {
+            springs.push(Spring {
+                stiffness: CONTACT_SHARE * stiffness,
+                target: wall.point,
+                plane: Some(wall.normal),
             });
         }
         springs
@@ -209,13 +223,14 @@ impl Synthesis {
         let mut points: Vec<Point3<f64>> =
             patch.vertices.iter().map(|&vertex| scene.start[vertex as usize]).collect();
         let warm = self.is_same_fold(scene, region, coarse.as_ref());
-        for (at, &vertex) in region.free.iter().enumerate() {
-            match (&coarse, scene.before) {
-                (_, Some(before)) if warm => points[at] += before[vertex as usize],
-                (Some(guide), _) => points[at] += guide.level.prolong(vertex, &guide.moved),
-                _ => {}
+        let moved: Vec<Vector3<f64>> = match (&coarse, scene.before) {
+            (_, Some(before)) if warm => region.free.iter().map(|&vertex| before[vertex as usize]).collect(),
+            (Some(guide), _) => {
+                region.free.iter().map(|&vertex| guide.level.prolong(vertex, &guide.moved)).collect()
             }
-        }
+            _ => Vec::new(),
+        };
+        points.iter_mut().zip(moved).for_each(|(point, moved)| *point += moved);
         let rule = match self.params.solver {
             Solver::CoarseToFine => Rule::Step(self.params.step_mm),
             Solver::Paper => Rule::Paper,

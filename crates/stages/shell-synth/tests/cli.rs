@@ -120,6 +120,64 @@ fn a_part_of_the_frames_equals_the_same_part_of_the_whole() {
     assert!(samples("part.pc2") == samples("whole.pc2")[5 * bytes..9 * bytes]);
 }
 
+/// A run that could not finish leaves a file that says so, and `--resume` makes of it the bytes that one run would have made.
+#[test]
+fn an_unfinished_run_is_resumed() {
+    let folder = Folder::new();
+    let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    let whole = folder.run(&["--out", "made.json", "--quiet"]);
+    assert!(whole.status.success(), "{}", said(&whole));
+    let expected = ["made.pc2", "made.json"].map(read);
+    // The disk is full in the sixth frame.
+    let limit = (5 * folder.mesh.vertex_count * 12 + 4000) / 1024;
+    let words = "--mesh scan.obj --large-scale large.json --valleys valleys.jsonl --out made.json --quiet";
+    for name in ["made.pc2", "made.json"] {
+        std::fs::remove_file(folder.path(name)).unwrap();
+    }
+    let program = env!("CARGO_BIN_EXE_shell-synth");
+    let script = format!("ulimit -f {limit}; trap '' XFSZ; exec '{program}' {words}");
+    let mut bash = std::process::Command::new("bash");
+    let cut = bash.args(["-c", &script]).current_dir(folder.root.path()).output().unwrap();
+    assert_eq!(cut.status.code(), Some(1), "{}", said(&cut));
+    assert!(folder.path("made.pc2.partial").exists() && !folder.path("made.json").exists());
+    let resumed = folder.run(&["--out", "made.json", "--resume"]);
+    assert!(resumed.status.success() && said(&resumed).contains("there already"), "{}", said(&resumed));
+    assert!(["made.pc2", "made.json"].map(read) == expected);
+    assert!(!folder.path("made.pc2.partial").exists());
+}
+
+#[test]
+fn parts_joined_are_the_whole() {
+    let folder = Folder::new();
+    let mut joined = Vec::new();
+    let samples = |name: &str| std::fs::read(folder.path(name)).unwrap()[32..].to_vec();
+    for (frames, name) in [("1-3", "a"), ("4-8", "b"), ("9-10", "c")] {
+        let made = folder.run(&["--out", &format!("{name}.json"), "--frames", frames, "--quiet"]);
+        assert!(made.status.success(), "{}", said(&made));
+        joined.extend(samples(&format!("{name}.pc2")));
+    }
+    assert!(folder.run(&["--out", "whole.json", "--quiet"]).status.success());
+    assert!(joined == samples("whole.pc2"));
+}
+
+#[test]
+fn a_finer_scan_is_written_with_its_map() {
+    let folder = Folder::new();
+    folder.valleys("valleys.jsonl", &folder.mesh, &[frame(4, &[("fold", valley(30, 0.0, 0.4, 0.3))])]);
+    let output = folder.run(&["--out", "made.json", "--frames", "4-4", "--refine", "fine.obj"]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(!said(&output).contains("its depth will be lost"), "{}", said(&output));
+    let fine = artifact::read_mesh(&folder.path("fine.obj"), Unit::Cm).unwrap();
+    let index: Wrinkled = artifact::read_document(&folder.path("made.json")).unwrap();
+    assert_eq!(index.0.mesh.vertex_count, fine.positions.len());
+    assert_eq!(index.0.mesh.file.sha256, artifact::sha256(&folder.path("fine.obj")).unwrap());
+    let map = std::fs::read_to_string(folder.path("fine.csv")).unwrap();
+    assert_eq!(map.lines().count() - 1, fine.positions.len() - plate().positions.len());
+    let refused = folder.run(&["--out", "made.json", "--refine", "fine.obj", "--refine-edges", "0"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(said(&refused).contains("--refine-edges"), "{}", said(&refused));
+}
+
 #[test]
 fn another_mesh_is_refused_with_the_file_and_what_to_do() {
     let folder = Folder::new();

@@ -4,7 +4,7 @@
 mod support;
 
 use nalgebra::{Point3, Rotation3, Vector3};
-use shell_synth::{Error, Params, Synthesis, Track, Wrinkling};
+use shell_synth::{Error, Params, Refinement, Synthesis, Track, Wrinkling};
 use support::{at, frame, ids, plate, pushed, valley};
 
 fn farthest(a: &[Point3<f64>], b: &[Point3<f64>]) -> f64 {
@@ -198,4 +198,89 @@ fn the_papers_shell_settles() {
     let made = synthesis.frame(1, &pushed(0.99), None).unwrap();
     assert!(made.regions.iter().all(|region| region.descent.converged && region.descent.exact_steps == 0));
     assert!((made.positions[at(30, 30)].z + 0.5).abs() < 1e-9);
+}
+
+/// Length of the longest edge of the triangles whose middle is within `reach` mm of the valley in row 30.
+fn longest_near(mesh: &mesh::Mesh, reach: f64) -> f64 {
+    let mut longest = 0.0f64;
+    for corners in mesh.triangles() {
+        let [a, b, c] = corners.map(|vertex| mesh.positions[vertex as usize]);
+        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        if (middle.y - 9.0).abs() < reach && (5.0..13.0).contains(&middle.x) {
+            longest = longest.max((b - a).norm()).max((c - b).norm()).max((a - c).norm());
+        }
+    }
+    longest
+}
+
+#[test]
+fn a_finer_mesh_has_edges_enough_and_is_the_same_surface() {
+    let valleys = [frame(1, &[("a", valley(30, 0.0, 0.4, 0.3))])];
+    let scan = plate();
+    let made = Refinement::new(&scan, &ids(&["a"]), &valleys, 6.0, &Params::default()).unwrap();
+    assert!(longest_near(&scan, 0.4) > 0.3 && longest_near(&made.mesh, 0.4) <= 0.8 / 6.0 + 1e-9);
+    let triangles = made.mesh.triangles();
+    let area: f64 = mesh::triangle_areas(&made.mesh.positions, &triangles).iter().sum();
+    assert!((area - 18.0 * 18.0).abs() < 1e-9, "{area}");
+    // Triangles fit: the boundary has not grown a hole, and far from the valley nothing changes.
+    let around = mesh::Connectivity::of(made.mesh.positions.len(), &triangles);
+    assert_eq!(around.boundary_loops().len(), 1);
+    let far =
+        made.mesh.positions[scan.positions.len()..].iter().map(|p| (p.y - 9.0).abs()).fold(0.0, f64::max);
+    assert!(far < 4.0, "{far}");
+    // Every triangle keeps a third of the least angle at rest, and its side.
+    for corners in triangles {
+        let [a, b, c] = corners.map(|vertex| made.mesh.positions[vertex as usize]);
+        assert!((b - a).cross(&(c - a)).z > 0.0 && (b - a).angle(&(c - a)) > 0.26);
+    }
+}
+
+#[test]
+fn frames_and_valleys_are_carried_to_the_finer_mesh() {
+    let valleys = [frame(1, &[("a", valley(30, 0.1, 0.4, 0.3))])];
+    let scan = plate();
+    let made = Refinement::new(&scan, &ids(&["a"]), &valleys, 6.0, &Params::default()).unwrap();
+    let affine = |p: &Point3<f64>| Point3::new(p.x + 0.2 * p.y, 0.9 * p.y, 0.3 * p.x);
+    let carried = made.carry(&scan.positions.iter().map(affine).collect::<Vec<_>>());
+    let expected: Vec<Point3<f64>> = made.mesh.positions.iter().map(affine).collect();
+    assert!(farthest(&carried, &expected) < 1e-12);
+    let place = |mesh: &mesh::Mesh, point: &artifact::ValleyPoint| -> Point3<f64> {
+        let corners = mesh.triangles()[point.face as usize];
+        let at: Vector3<f64> =
+            (0..3).map(|i| mesh.positions[corners[i] as usize].coords * point.barycentric[i]).sum();
+        Point3::from(at)
+    };
+    let finer = made.valleys(&scan, &valleys);
+    for (new, old) in finer[0].valleys["a"].iter().zip(&valleys[0].valleys["a"]) {
+        assert!((place(&made.mesh, new) - place(&scan, old)).norm() < 1e-9);
+    }
+    let depth = |mesh: &mesh::Mesh, valleys: &[artifact::ValleysFrame]| {
+        let synthesis = Synthesis::new(mesh, &ids(&["a"]), valleys, &Params::default()).unwrap();
+        let made = synthesis.frame(1, &mesh.positions, None).unwrap();
+        made.positions.iter().map(|p| -p.z).fold(0.0, f64::max)
+    };
+    let deep = depth(&made.mesh, &finer);
+    assert!((deep - 0.3).abs() < 0.02 && deep > depth(&scan, &valleys) + 0.02, "{deep}");
+}
+
+#[test]
+fn both_sides_of_a_fold_that_closes_stay_apart() {
+    // A deep narrow fold, in skin that is pushed together to half of its length.
+    let crossed = |self_contact: bool| {
+        let valleys = [frame(1, &[("a", valley(30, 0.0, 0.6, 3.0))])];
+        let params = Params { self_contact, influence_widths: 12.0, ..Params::default() };
+        let synthesis = Synthesis::new(&plate(), &ids(&["a"]), &valleys, &params).unwrap();
+        let made = synthesis.frame(1, &pushed(0.5), None).unwrap();
+        assert!(made.regions.iter().all(|region| region.descent.converged));
+        let line = 9.0 * 0.5;
+        // How far vertices of one side lie beyond the crease, where the valley is.
+        let beyond = |row: u32| {
+            let side = if row > 30 { 1.0 } else { -1.0 };
+            (22..39).map(|column| side * (line - made.positions[at(column, row)].y)).fold(0.0, f64::max)
+        };
+        (20..=40).filter(|&row| row != 30).map(beyond).fold(0.0, f64::max)
+    };
+    let (without, with) = (crossed(false), crossed(true));
+    assert!(without > 0.1, "the case is none: {without}");
+    assert!(with < 0.01, "{with}");
 }

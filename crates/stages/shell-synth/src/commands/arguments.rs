@@ -31,6 +31,13 @@ pub(crate) struct Arguments {
     /// Write per frame and region how the solve went, as a table
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) report: Option<PathBuf>,
+    /// Halve edges where the mesh is too coarse for a valley, and write the finer scan here (.obj, .ply); the sequence then is of that
+    /// mesh. Its first vertices are the scan's; a table beside it (.csv) names for each other one the two that it is the middle of
+    #[arg(long, value_name = "FILE")]
+    pub(crate) refine: Option<PathBuf>,
+    /// Edges across a valley (2 w) that --refine makes, at least
+    #[arg(long, value_name = "COUNT", default_value_t = 6.0)]
+    pub(crate) refine_edges: f64,
     /// Where other options' defaults come from; `paper` is the published method
     #[arg(long, value_enum, default_value_t = Preset::Default)]
     preset: Preset,
@@ -75,6 +82,9 @@ pub(crate) struct Arguments {
     /// Longest gap, in frames, that valleys are interpolated over
     #[arg(long, value_name = "FRAMES", default_value_t = Params::default().longest_gap)]
     longest_gap: u32,
+    /// Keep both sides of a fold from going through each other, where a deep valley closes
+    #[arg(long)]
+    self_contact: bool,
     /// Start every frame anew, never from the one before
     #[arg(long)]
     cold: bool,
@@ -100,6 +110,9 @@ impl Arguments {
         if self.out.extension().is_none_or(|ending| ending != "json") {
             bail!("{}: --out names the sequence's index; give it the ending .json", self.out.display());
         }
+        if !(2.0..=32.0).contains(&self.refine_edges) {
+            bail!("--refine-edges: {} is not between 2 and 32", self.refine_edges);
+        }
         if self.resume && artifact::is_standard_stream(&self.valleys) {
             bail!("--resume: valleys from a pipe cannot be recognised again; give a file");
         }
@@ -108,7 +121,8 @@ impl Arguments {
 
     /// Every file that will be written.
     pub(crate) fn outputs(&self) -> Vec<PathBuf> {
-        [self.out.clone(), self.samples()].into_iter().chain(self.report.clone()).collect()
+        let finer = self.refine.iter().flat_map(|path| [path.clone(), path.with_extension("csv")]);
+        [self.out.clone(), self.samples()].into_iter().chain(self.report.clone()).chain(finer).collect()
     }
 
     /// The vertex cache.
@@ -142,6 +156,7 @@ impl Arguments {
             coarse_edge_mm: self.coarse_edge,
             longest_gap: self.longest_gap,
             warm_start: preset.warm_start && !self.cold,
+            self_contact: self.self_contact,
             ..preset
         }
     }

@@ -113,7 +113,7 @@ pub(crate) fn report_creases(run: &mut Run, creases: &[CreaseReport]) {
         if edges < LEAST_EDGES {
             run.warn(format!(
                 "wrinkle {}: it is down to w = {:.2} mm wide, but the mesh has edges of {:.2} mm there: {edges:.1} across the valley \
-                 instead of {LEAST_EDGES}; its depth will be lost between vertices. Use a finer mesh",
+                 instead of {LEAST_EDGES}; its depth will be lost between vertices. Use a finer mesh, or --refine",
                 crease.wrinkle, crease.narrowest_mm, crease.edge_mm
             ));
         }

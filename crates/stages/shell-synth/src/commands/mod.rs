@@ -2,6 +2,7 @@
 
 mod arguments;
 mod findings;
+mod refined;
 mod run;
 
 pub(crate) use arguments::Arguments;

@@ -2,6 +2,7 @@
 
 use super::Arguments;
 use super::findings::{Findings, report_creases};
+use super::refined::Ground;
 use anyhow::{Context, bail};
 use artifact::{
     FrameRange, FrameReader, LargeScale, MeshRef, MeshSequence, SequenceForm, Unit, Valleys, ValleysFrame,
@@ -22,22 +23,24 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     params.check()?;
     run.parameters(&params)?;
     let large = Sequence::open(run, &arguments)?;
-    let (mesh, mesh_ref) = read_mesh(run, &arguments, &large)?;
-    let (header, valleys, valleys_sha) = read_valleys(run, &arguments.valleys, &mesh_ref, &large)?;
+    let scan = read_mesh(run, &arguments, &large)?;
+    let scan_sha = scan.1.file.sha256.clone();
+    let (header, valleys, valleys_sha) = read_valleys(run, &arguments.valleys, &scan.1, &large)?;
     let outputs = arguments.outputs();
     let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
     run.check_outputs(&outputs)?;
     run.check_folders(&outputs)?;
     let ids: Vec<String> = header.wrinkles.iter().map(|wrinkle| wrinkle.id.clone()).collect();
+    let ground = Ground::new(run, &arguments, scan, &ids, valleys, &params)?;
     let synthesis = run
-        .timed("prepare", || Synthesis::new(&mesh, &ids, &valleys, &params))
+        .timed("prepare", || Synthesis::new(&ground.mesh, &ids, &ground.valleys, &params))
         .with_context(|| format!("{} with {}", arguments.mesh.display(), arguments.valleys.display()))?;
     report_creases(run, &synthesis.creases());
-    let inputs = [&mesh_ref.file.sha256, &large.sha256[0], &large.sha256[1], &valleys_sha];
+    let inputs = [&scan_sha, &ground.mesh_ref.file.sha256, &large.sha256[0], &large.sha256[1], &valleys_sha];
     let key = artifact::sha256_of(serde_json::json!([inputs, params, large.wanted]).to_string().as_bytes());
     let (writer, there) = pc2::Writer::resumable(
         &arguments.samples(),
-        mesh.positions.len(),
+        ground.mesh.positions.len(),
         large.wanted[0],
         &key,
         arguments.resume,
@@ -45,10 +48,10 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     if there > 0 {
         run.say(&format!("{there} frames are there already"));
     }
-    let mut output = Output { writer, unit: mesh_ref.unit };
-    let findings = animate(run, &synthesis, &large, there as usize, &mut output)?;
+    let mut output = Output { writer, unit: ground.mesh_ref.unit };
+    let findings = animate(run, &synthesis, &ground, &large, there as usize, &mut output)?;
     findings.report(run);
-    publish(run, &arguments, large, mesh_ref, output, &findings)
+    publish(run, &arguments, large, ground, output, &findings)
 }
 
 /// The frames without wrinkles.
@@ -156,6 +159,7 @@ impl Output {
 fn animate(
     run: &mut Run,
     synthesis: &Synthesis,
+    ground: &Ground,
     large: &Sequence,
     there: usize,
     output: &mut Output,
@@ -168,7 +172,7 @@ fn animate(
     let mut progress = run.progress("frames", Some((large.wanted.len() - there) as u64));
     let mut before: Option<(i64, Vec<Vector3<f64>>)> = None;
     for &frame in large.index.frames.iter().filter(|frame| (start..=last).contains(*frame)) {
-        let smooth = run.timed("read", || cursor.read(frame))?;
+        let smooth = ground.carry(run.timed("read", || cursor.read(frame))?);
         let warm = before.take().filter(|(number, _)| *number == frame - 1 && !starts_anew(frame));
         let warm = warm.as_ref().map(|(_, moved)| moved.as_slice());
         let made = run
@@ -188,12 +192,12 @@ fn publish(
     run: &mut Run,
     arguments: &Arguments,
     large: Sequence,
-    mesh: MeshRef,
+    ground: Ground,
     output: Output,
     findings: &Findings,
 ) -> anyhow::Result<()> {
     let index = Wrinkled(LargeScale {
-        mesh,
+        mesh: ground.mesh_ref,
         cache: artifact::file_name(&arguments.samples()),
         form: SequenceForm::Pc2,
         rate: large.index.rate,
@@ -201,6 +205,7 @@ fn publish(
         take: large.index.take,
     });
     let mut staged = vec![output.writer.finish()?, artifact::write_document(&arguments.out, &index)?];
+    staged.extend(ground.staged);
     if let Some(path) = &arguments.report {
         staged.push(artifact::stage_bytes(path, findings.table().as_bytes())?);
     }
