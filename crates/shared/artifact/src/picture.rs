@@ -233,6 +233,16 @@ pub fn write_rgb16(path: &Path, width: usize, height: usize, rgb: &[u16]) -> Res
     write_png(path, width, height, ExtendedColorType::Rgb16, &bytes)
 }
 
+/// Writes a grey PNG of 16 bits, row after row from the top.
+///
+/// # Errors
+/// As [`write_rgb8`].
+pub fn write_gray16(path: &Path, width: usize, height: usize, gray: &[u16]) -> Result<Staged> {
+    check_size(path, width, height, 3 * gray.len())?;
+    let bytes: Vec<u8> = gray.iter().flat_map(|code| code.to_ne_bytes()).collect();
+    write_png(path, width, height, ExtendedColorType::L16, &bytes)
+}
+
 fn check_size(path: &Path, width: usize, height: usize, values: usize) -> Result<()> {
     let fits =
         width > 0 && height > 0 && width.checked_mul(height).is_some_and(|pixels| 3 * pixels == values);

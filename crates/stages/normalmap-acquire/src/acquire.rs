@@ -121,7 +121,7 @@ pub fn acquire(neutral: &Photo, expression: &Photo, face: &Face, region: &Region
     }
     let warp = Warp::fit(&face.pairs, face.io_px, region.smoothing)?;
     let frame = Frame::of(neutral, face, region);
-    let mut work = Work::new(neutral, expression, face, region, &frame, &warp)?;
+    let work = Work::new(neutral, expression, face, region, &frame, &warp)?;
     let light = params.light.or_else(|| work.found_light(face, region, &frame));
     let params = Params { light, ..params.clone() };
     work.finish(face, region, &frame, &params)
@@ -433,11 +433,15 @@ fn mixed(found: &[Plane; 3], neutral: Option<&[Plane; 3]>, weight: &Plane) -> [P
             continue;
         }
         let ground = neutral.map_or([0.0, 0.0, 1.0], |neutral| [0, 1, 2].map(|axis| neutral[axis].values[at]));
+        let ground = unit(ground);
         let sum = [0, 1, 2].map(|axis| ground[axis] + share * (out[axis].values[at] - ground[axis]));
-        let length = sum.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
-        for axis in 0..3 {
-            out[axis].values[at] = if share > 0.0 { sum[axis] / length } else { ground[axis] };
-        }
+        let normal = if share > 0.0 { unit(sum) } else { ground };
+        (0..3).for_each(|axis| out[axis].values[at] = normal[axis]);
     }
     out
+}
+
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
+    vector.map(|x| x / length)
 }

@@ -1,6 +1,7 @@
 //! Slopes from a ratio image: how steep, to which side, and the surface that has them.
 
 use crate::blur::blurred;
+use crate::crease::sides;
 use crate::integrate::integrated;
 use crate::params::{Light, Params};
 use crate::plane::{Plane, median};
@@ -17,11 +18,11 @@ const ROUNDS: usize = 4;
 
 /// Slopes and the surface that has them.
 #[derive(Debug, Clone)]
-pub struct Estimated {
+pub(crate) struct Estimated {
     /// Heights over the neutral skin, px.
-    pub height: Plane,
+    pub(crate) height: Plane,
     /// Noise of the ratio, after its blur.
-    pub noise: f64,
+    pub(crate) noise: f64,
 }
 
 /// How a darkening becomes a slope under some light: the gain, and the blur (io) of the ratio whose gradient tells the side.
@@ -35,13 +36,13 @@ pub(crate) fn response(params: &Params) -> (f64, f64) {
     (params.gain.unwrap_or(gain), params.side_io.unwrap_or(side))
 }
 
-/// The surface under a ratio image, after [Dutreve2009, Eq. 2].
+/// The surface under a ratio image, after [DutreveMeyer2011, Eq. 2].
 ///
 /// `ratio`: R without exposure, #px; `weight`: how much each pixel counts, 0–1; `io`: distance of the pupils, px.
-/// With D = 1 − R̄ beyond a dead zone of the noise's size, the slope is `γ √(1/(1 − D)² − 1)` up the gradient of a smoother R; one surface is laid
-/// under all slopes. Under a flash that stands off the line of sight, `R / (1 − τ·∇h)` takes R's place, in turn.
+/// With D = 1 − R̄ beyond a dead zone of the noise's size, the slope is `γ √(1/(1 − D)² − 1)` up the gradient of a smoother R
+/// (of a finer one at creases); one surface is laid under all slopes. Under a flash that stands off the line of sight, `R / (1 − τ·∇h)` takes R's place, in turn.
 #[must_use]
-pub fn estimated(ratio: &Plane, weight: &Plane, io: f64, params: &Params) -> Estimated {
+pub(crate) fn estimated(ratio: &Plane, weight: &Plane, io: f64, params: &Params) -> Estimated {
     let (gain, side) = response(params);
     let first = blurred(ratio, params.blur_io * io);
     let noise = noise(&first, weight, NOISE_IO * io);
@@ -50,15 +51,12 @@ pub fn estimated(ratio: &Plane, weight: &Plane, io: f64, params: &Params) -> Est
     let rounds = if tilt == [0.0; 2] { 1 } else { ROUNDS };
     let mut height = Plane::filled(ratio.width, ratio.height, 0.0);
     for round in 0..rounds {
-        let (fine, coarse) = match round {
-            0 => (first.clone(), blurred(ratio, side * io)),
-            _ => {
-                let turned = upright(ratio, &height, tilt);
-                (blurred(&turned, params.blur_io * io), blurred(&turned, side * io))
-            }
-        };
+        let turned = if round == 0 { None } else { Some(upright(ratio, &height, tilt)) };
+        let turned = turned.as_ref().unwrap_or(ratio);
+        let fine = if round == 0 { first.clone() } else { blurred(turned, params.blur_io * io) };
         let steep = fine.map(|value| slope(1.0 - value.max(DARKEST), gain, params.dead_zone * noise));
-        height = integrated(&directed(&steep, &coarse, weight), lambda);
+        let sides = sides(turned, &blurred(turned, side * io), io);
+        height = integrated(&directed(&steep, sides, weight), lambda);
     }
     Estimated { height, noise }
 }
@@ -72,9 +70,8 @@ fn slope(darkening: f64, gain: f64, dead: f64) -> f64 {
     gain * ((1.0 - beyond).powi(-2) - 1.0).max(0.0).sqrt()
 }
 
-/// Slopes that rise with a smoothed ratio; where it hardly rises they fade.
-fn directed(steep: &Plane, ratio: &Plane, weight: &Plane) -> [Plane; 2] {
-    let [gx, gy] = ratio.gradient();
+/// Slopes that rise with the ratio; where its gradient is hardly there they fade.
+fn directed(steep: &Plane, [gx, gy]: [Plane; 2], weight: &Plane) -> [Plane; 2] {
     let length = gx.with(&gy, f64::hypot);
     let quiet = (QUIET * 1.4826 * median(counted(&length, weight))).max(1e-12);
     let scale = length.with(steep, |length, steep| steep / length.hypot(quiet));

@@ -9,15 +9,17 @@ use crate::plane::{Plane, median};
 use crate::warp::Field;
 
 /// Window, io.
-const WINDOW_IO: f64 = 0.03;
+const WINDOW_IO: f64 = 0.06;
 /// Smoothness of the displacement, io.
-const SMOOTH_IO: f64 = 0.015;
+const SMOOTH_IO: f64 = 0.03;
 /// No displacement is longer, io.
 const CAP_IO: f64 = 0.05;
 /// Structures coarser than this are light, not skin, io.
 const HIGH_PASS_IO: f64 = 0.05;
 /// The finest pictures compared have no more pixels between the pupils than this.
 const FINEST_IO_PX: f64 = 260.0;
+/// Finer changes are pores, io.
+const WRINKLE_IO: f64 = 0.012;
 const LEVELS: usize = 3;
 const STEPS: usize = 4;
 /// A window counts the less, the less structure it has beside the usual one.
@@ -38,6 +40,7 @@ pub struct Refined {
 #[must_use]
 pub fn refined(field: &Field, neutral: &Plane, expression: &Plane, weight: &Plane, io: f64) -> Refined {
     let warped = field.fetch(expression);
+    let weight = &steady(neutral, &warped, weight, io);
     let mut levels = vec![(structure(neutral, weight, io), structure(&warped, weight, io), weight.clone(), io)];
     while levels.len() < LEVELS || levels.last().is_some_and(|level| level.3 > FINEST_IO_PX) {
         let Some((a, b, weight, io)) = levels.last() else { break };
@@ -74,6 +77,18 @@ pub fn refined(field: &Field, neutral: &Plane, expression: &Plane, weight: &Plan
 fn structure(plane: &Plane, weight: &Plane, io: f64) -> Plane {
     let slow = crate::blur::weighted(plane, weight, HIGH_PASS_IO * io);
     plane.with(&slow, |value, slow| value - slow).with(weight, |value, weight| value * weight)
+}
+
+/// The weight without wrinkles: places that became darker over more than a pore's width.
+fn steady(neutral: &Plane, warped: &Plane, weight: &Plane, io: f64) -> Plane {
+    let change = structure(&warped.with(neutral, |warped, neutral| warped - neutral), weight, io);
+    let change = blurred(&change, WRINKLE_IO * io);
+    let counted = change.values.iter().zip(&weight.values).filter(|(_, weight)| **weight > 0.5);
+    let spread = 1.4826 * median(counted.map(|(value, _)| value.abs()).collect::<Vec<_>>().iter()) + 1e-9;
+    let trust = change.map(|value| 1.0 / (1.0 + (value.min(0.0) / (2.0 * spread)).powi(4)));
+    // A wrinkle's rims are changed too.
+    let wide = blurred(&trust, 2.0 * WRINKLE_IO * io);
+    weight.with(&wide, |weight, trust| weight * ((trust - 0.3) / 0.6).clamp(0.0, 1.0))
 }
 
 /// One step of least squares.

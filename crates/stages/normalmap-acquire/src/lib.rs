@@ -1,4 +1,4 @@
-//! Normal maps of wrinkles from two photographs of a face, at rest and with an expression [Dutreve2009].
+//! Normal maps of wrinkles from two photographs of a face, at rest and with an expression [DutreveMeyer2011].
 //!
 //! Landmarks carry the expression onto the neutral photograph ([`Warp`]), the ratio of linear light says where skin became darker, and
 //! [`acquire`] reads tilts from it: by the paper's rule or, by default, by an estimator that survives uneven exposure, flashes, rounded
@@ -25,6 +25,7 @@
 
 mod acquire;
 mod blur;
+mod crease;
 mod encode;
 mod error;
 mod estimator;
@@ -36,7 +37,9 @@ mod paper;
 mod params;
 mod parts;
 mod plane;
+mod modulation;
 mod ratio;
+mod texture;
 mod warp;
 
 pub use acquire::{Acquired, Face, Photo, Region, Report, acquire};
@@ -46,9 +49,11 @@ pub use error::Error;
 pub use flow::{Refined, refined};
 pub use integrate::integrated;
 pub use light::{estimated_light, rough_normals};
+pub use modulation::{Modulation, fit_modulation, shown, way};
 pub use mask::{hull, inside};
 pub use paper::paper_normals;
 pub use params::{Exposure, Light, Mode, Params};
 pub use parts::{Part, Scheme};
 pub use plane::Plane;
+pub use texture::{Textured, textured};
 pub use warp::{Field, Pair, Warp};

@@ -8,7 +8,7 @@ const FEATHER_IO: f64 = 0.015;
 /// Window of the structure tensor, io.
 const COHERENCE_IO: f64 = 0.02;
 /// Blotches have a coherence below the first, wrinkles above the second.
-const COHERENT: [f64; 2] = [0.25, 0.6];
+const COHERENT: [f64; 2] = [0.2, 0.55];
 /// Skin whose normal's share towards the camera is below the first is not used, above the second wholly.
 const FACING: [f64; 2] = [0.5, 0.75];
 
@@ -58,14 +58,14 @@ pub fn inside(polygon: &[[f64; 2]], first: [usize; 2], width: usize, height: usi
 
 /// The mask with its border taken off and faded, so that what lies outside stays outside.
 #[must_use]
-pub fn feathered(mask: &Plane, io: f64) -> Plane {
+pub(crate) fn feathered(mask: &Plane, io: f64) -> Plane {
     let soft = blurred(mask, FEATHER_IO * io);
     mask.with(&soft, |mask, soft| mask * (2.0 * soft - 1.0).clamp(0.0, 1.0))
 }
 
 /// How much a picture is made of stripes, 0–1, by its structure tensor [BigunGranlund1987].
 #[must_use]
-pub fn coherence(plane: &Plane, io: f64) -> Plane {
+pub(crate) fn coherence(plane: &Plane, io: f64) -> Plane {
     let [gx, gy] = plane.gradient();
     let window = |one: &Plane, other: &Plane| blurred(&one.with(other, |a, b| a * b), COHERENCE_IO * io);
     let (xx, xy, yy) = (window(&gx, &gx), window(&gx, &gy), window(&gy, &gy));
@@ -76,7 +76,7 @@ pub fn coherence(plane: &Plane, io: f64) -> Plane {
 
 /// How well skin faces the camera, from the share of its normal that does.
 #[must_use]
-pub fn facing(normal_z: &Plane) -> Plane {
+pub(crate) fn facing(normal_z: &Plane) -> Plane {
     normal_z.map(|z| ramp(z, FACING))
 }
 

@@ -6,7 +6,7 @@ use crate::plane::Plane;
 /// Gradients shorter than this have no direction; the normal is then (0, 0, 1).
 const NO_DIRECTION: f64 = 1e-12;
 
-/// Normals from a ratio image [Dutreve2009, Eq. 1–3]: R is blurred, `N'_z = R N_z` clipped to 0–1, and the rest of the unit length
+/// Normals from a ratio image [DutreveMeyer2011, Eq. 1–3]: R is blurred, `N'_z = R N_z` clipped to 0–1, and the rest of the unit length
 /// points down the gradient of R, towards the dark valley.
 ///
 /// `ratio`, `neutral_z`: #px; `sigma_px` of the blur. The result is x right, y up, z towards the camera. The paper prints no sign:

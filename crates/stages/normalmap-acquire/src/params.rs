@@ -7,7 +7,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
-    /// The paper's [Dutreve2009, Eq. 1–3].
+    /// The paper's [DutreveMeyer2011, Eq. 1–3].
     Paper,
     /// Local exposure, dead zone, the side from a smoothed ratio, one surface under all slopes.
     #[default]

@@ -13,7 +13,7 @@ const ABOVE: f64 = 2.5;
 
 /// The ratio R = I'/I of linear light with its exposure taken out, and that exposure (log).
 #[must_use]
-pub fn ratio(neutral: &Plane, expression: &Plane, weight: &Plane, io: f64, params: &Params) -> [Plane; 2] {
+pub(crate) fn ratio(neutral: &Plane, expression: &Plane, weight: &Plane, io: f64, params: &Params) -> [Plane; 2] {
     if params.exposure() == Exposure::None {
         return [expression.with(neutral, |e, n| e / n), neutral.map(|_| 0.0)];
     }

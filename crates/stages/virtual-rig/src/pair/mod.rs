@@ -1,5 +1,5 @@
 //! Photographs of a patch of skin, at rest and wrinkled, whose normals are known: the test bench of maps from ratio images
-//! [Dutreve2009].
+//! [DutreveMeyer2011].
 //!
 //! The wrinkled skin is a height field ([`skin`]); how bright each of its places is, under open sky, a flash beside the lens or a
 //! mixture, is gathered over it with all bounces ([`glow`]); then the camera, and everything that makes two photographs of a face
