@@ -198,7 +198,38 @@ const CALLS: &[(&str, &[&str])] = &[
         &["--mesh", MESH, "--unit", "mm", "--object-map", "missing-input.png", "--out", "out.obj"],
     ),
     ("shell-synth", &["--mesh", MESH, "--large-scale", DOCUMENT, "--valleys", STREAM, "--out", "out.json"]),
-    ("normalmap-acquire", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj"]),
+    (
+        "normalmap-acquire",
+        &[
+            "acquire",
+            "--neutral",
+            "missing-input.png",
+            "--neutral-landmarks",
+            DOCUMENT,
+            "--expression",
+            "missing-input-2.png",
+            "--expression-landmarks",
+            DOCUMENT,
+            "--out",
+            "out.png",
+        ],
+    ),
+    (
+        "normalmap-acquire",
+        &[
+            "fit-modulation",
+            "--neutral",
+            "missing-input.png",
+            "--neutral-landmarks",
+            DOCUMENT,
+            "--frames",
+            "missing-{frame}.png",
+            "--frame-landmarks",
+            "missing-{frame}.json",
+            "--out",
+            "out.json",
+        ],
+    ),
     // `house new-stage` adds here
 ];
 

@@ -41,10 +41,13 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Profile, &'static str> {
         b"RGB " => {
             let curve = |name: &[u8]| tag(bytes, name).and_then(curve);
             let read = |names: [&[u8]; 3]| Some([curve(names[0])?, curve(names[1])?, curve(names[2])?]);
-            let curves = read([b"rTRC", b"gTRC", b"bTRC"]).ok_or("has no curves that are known (it works by tables)")?;
+            let curves = read([b"rTRC", b"gTRC", b"bTRC"])
+                .ok_or("has no curves that are known (it works by tables)")?;
             let bright = |name: &[u8]| Some(fixed(tag(bytes, name)?, 12)?);
             let luma = [bright(b"rXYZ"), bright(b"gXYZ"), bright(b"bXYZ")];
-            let [Some(r), Some(g), Some(b)] = luma else { return Err("does not say how bright its primaries are") };
+            let [Some(r), Some(g), Some(b)] = luma else {
+                return Err("does not say how bright its primaries are");
+            };
             Ok(Profile { curves, luma: [r, g, b] })
         }
         b"GRAY" => {
@@ -76,11 +79,15 @@ fn curve(bytes: &[u8]) -> Option<Curve> {
     match bytes.get(..4)? {
         b"curv" => {
             let count = word(bytes, 8)? as usize;
-            let entry = |i: usize| Some(f64::from(u16::from_be_bytes(bytes.get(12 + 2 * i..14 + 2 * i)?.try_into().ok()?)));
+            let entry = |i: usize| {
+                Some(f64::from(u16::from_be_bytes(bytes.get(12 + 2 * i..14 + 2 * i)?.try_into().ok()?)))
+            };
             match count {
                 0 => Some(power(1.0)),
                 1 => Some(power(entry(0)? / 256.0)),
-                _ => Some(Curve::Table((0..count).map(|i| Some(entry(i)? / 65535.0)).collect::<Option<_>>()?)),
+                _ => {
+                    Some(Curve::Table((0..count).map(|i| Some(entry(i)? / 65535.0)).collect::<Option<_>>()?))
+                }
             }
         }
         b"para" => {
@@ -140,7 +147,14 @@ mod tests {
         };
         let bytes = profile(
             b"RGB ",
-            &[(b"rTRC", srgb), (b"gTRC", gamma), (b"bTRC", table), (b"rXYZ", xyz(0.25)), (b"gXYZ", xyz(0.6875)), (b"bXYZ", xyz(0.0625))],
+            &[
+                (b"rTRC", srgb),
+                (b"gTRC", gamma),
+                (b"bTRC", table),
+                (b"rXYZ", xyz(0.25)),
+                (b"gXYZ", xyz(0.6875)),
+                (b"bXYZ", xyz(0.0625)),
+            ],
         );
         let found = parse(&bytes).unwrap();
         assert_eq!(found.luma, [0.25, 0.6875, 0.0625]);

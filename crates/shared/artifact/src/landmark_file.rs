@@ -35,12 +35,19 @@ pub fn read_landmarks(path: &Path) -> Result<LandmarkFile> {
     let mut landmarks = Landmarks::default();
     for (line, id, point) in points {
         if landmarks.points.insert(id.clone(), point).is_some() {
-            return Err(Error::new(path, format!("landmark {id} stands here again")).at(format!("line {line}")));
+            return Err(
+                Error::new(path, format!("landmark {id} stands here again")).at(format!("line {line}"))
+            );
         }
     }
     match landmarks.points.is_empty() {
-        true => Err(Error::new(path, "holds no landmarks").fix("mark at least 4 places and save the file again")),
-        false => landmarks.check().map_err(|violation| violation.in_file(path)).map(|()| LandmarkFile { landmarks, is_uv }),
+        true => {
+            Err(Error::new(path, "holds no landmarks").fix("mark at least 4 places and save the file again"))
+        }
+        false => landmarks
+            .check()
+            .map_err(|violation| violation.in_file(path))
+            .map(|()| LandmarkFile { landmarks, is_uv }),
     }
 }
 
@@ -49,25 +56,35 @@ type Row = (usize, String, Landmark);
 
 fn number(path: &Path, line: usize, text: &str) -> Result<f64> {
     let parsed = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-    parsed.ok_or_else(|| Error::new(path, format!("'{}' is no number", text.trim())).at(format!("line {line}")))
+    parsed
+        .ok_or_else(|| Error::new(path, format!("'{}' is no number", text.trim())).at(format!("line {line}")))
 }
 
 fn place(path: &Path, line: usize, text: &str) -> Result<Landmark> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let [x, y] = words[..] else {
-        return Err(Error::new(path, format!("'{}' is not x and y of a point", text.trim())).at(format!("line {line}")));
+        return Err(Error::new(path, format!("'{}' is not x and y of a point", text.trim()))
+            .at(format!("line {line}")));
     };
     Ok(Landmark { at: [number(path, line, x)?, number(path, line, y)?], depth_px: None })
 }
 
 fn template(path: &Path, text: &str) -> Result<Vec<Row>> {
-    let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line)).filter(|(_, line)| !line.trim().is_empty());
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line))
+        .filter(|(_, line)| !line.trim().is_empty());
     let count = lines.next().and_then(|(_, line)| line.trim().parse::<usize>().ok()).ok_or_else(|| {
-        Error::new(path, "does not begin with the number of its points").at("line 1").fix("save the template from WebMorph again")
+        Error::new(path, "does not begin with the number of its points")
+            .at("line 1")
+            .fix("save the template from WebMorph again")
     })?;
     (0..count)
         .map(|index| {
-            let (line, text) = lines.next().ok_or_else(|| Error::new(path, format!("has {index} points, not {count} as it says")))?;
+            let (line, text) = lines
+                .next()
+                .ok_or_else(|| Error::new(path, format!("has {index} points, not {count} as it says")))?;
             Ok((line, index.to_string(), place(path, line, text)?))
         })
         .collect()
@@ -92,9 +109,15 @@ fn braces(path: &Path, text: &str) -> Result<Vec<Row>> {
 
 fn table(path: &Path, text: &str) -> Result<(Vec<Row>, bool)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line)).filter(|(_, line)| !line.trim().is_empty());
-    let header: Vec<String> =
-        lines.next().map(|(_, line)| line.split([',', ';', '\t']).map(|name| name.trim().to_ascii_lowercase()).collect()).unwrap_or_default();
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line))
+        .filter(|(_, line)| !line.trim().is_empty());
+    let header: Vec<String> = lines
+        .next()
+        .map(|(_, line)| line.split([',', ';', '\t']).map(|name| name.trim().to_ascii_lowercase()).collect())
+        .unwrap_or_default();
     let column = |names: &[&str]| header.iter().position(|name| names.contains(&name.as_str()));
     let is_uv = column(&["u"]).is_some() && column(&["v"]).is_some();
     let (x, y) = (column(&["x", "x_px", "u"]), column(&["y", "y_px", "v"]));
@@ -108,7 +131,8 @@ fn table(path: &Path, text: &str) -> Result<(Vec<Row>, bool)> {
         let cells: Vec<&str> = text.split([',', ';', '\t']).collect();
         let cell = |column: usize| {
             cells.get(column).copied().ok_or_else(|| {
-                Error::new(path, format!("has {} columns, not {}", cells.len(), header.len())).at(format!("line {line}"))
+                Error::new(path, format!("has {} columns, not {}", cells.len(), header.len()))
+                    .at(format!("line {line}"))
             })
         };
         let at = [number(path, line, cell(x)?)?, number(path, line, cell(y)?)?];

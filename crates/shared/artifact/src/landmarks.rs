@@ -49,7 +49,10 @@ impl Document for Landmarks {
             finite(&place, &point.at)?;
             finite(&place, &point.depth_px)?;
             if let Some(other) = taken.insert(point.at.map(f64::to_bits), id) {
-                return Err(Violation::new(place, format!("sits at {:?}, as landmark {other} does", point.at)));
+                return Err(Violation::new(
+                    place,
+                    format!("sits at {:?}, as landmark {other} does", point.at),
+                ));
             }
         }
         Ok(())

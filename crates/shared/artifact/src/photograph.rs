@@ -4,9 +4,9 @@ use crate::icc::{Curve, Profile, parse};
 use crate::source::read_bytes;
 use crate::{Error, Result, Transfer};
 use image::{DynamicImage, ImageDecoder, ImageReader};
-use table::per_pixel;
 use std::io::Cursor;
 use std::path::Path;
+use table::per_pixel;
 
 /// A photograph as linear light; row 0 is the top, turned as its file says.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +44,8 @@ pub fn read_photograph(path: &Path, stated: Option<Transfer>) -> Result<Photogra
         Error::new(path, format!("is no PNG or JPEG picture that can be read: {error}"))
             .fix("check that this is the right file and that it was not cut; save it again as PNG or JPEG")
     };
-    let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|error| broken(&error))?;
+    let reader =
+        ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|error| broken(&error))?;
     let mut decoder = reader.into_decoder().map_err(|error| broken(&error))?;
     let orientation = decoder.orientation().map_err(|error| broken(&error))?;
     let icc = decoder.icc_profile().map_err(|error| broken(&error))?;
@@ -66,7 +67,11 @@ mod table {
     use super::{END, Profile};
 
     /// Luminance and ends of all pixels, by a table of each channel's codes.
-    pub(super) fn per_pixel<T: Copy + Into<u32>>(codes: &[T], white: u32, profile: &Profile) -> (Vec<f64>, Vec<bool>) {
+    pub(super) fn per_pixel<T: Copy + Into<u32>>(
+        codes: &[T],
+        white: u32,
+        profile: &Profile,
+    ) -> (Vec<f64>, Vec<bool>) {
         let table = |channel: usize| -> Vec<f64> {
             let light = |code: u32| profile.curves[channel].light(f64::from(code) / f64::from(white));
             (0..=white).map(|code| profile.luma[channel] * light(code)).collect()
@@ -75,7 +80,8 @@ mod table {
         let end = (END * f64::from(white)) as u32;
         let pixel = |pixel: &[T]| {
             let codes: [u32; 3] = [pixel[0].into(), pixel[1].into(), pixel[2].into()];
-            let light = tables[0][codes[0] as usize] + tables[1][codes[1] as usize] + tables[2][codes[2] as usize];
+            let light =
+                tables[0][codes[0] as usize] + tables[1][codes[1] as usize] + tables[2][codes[2] as usize];
             (light, codes.iter().any(|code| *code >= end))
         };
         codes.chunks_exact(3).map(pixel).unzip()
@@ -83,7 +89,12 @@ mod table {
 }
 
 /// What codes mean, and how that is known.
-fn meaning(path: &Path, bytes: &[u8], icc: Option<&[u8]>, stated: Option<Transfer>) -> Result<(Profile, String)> {
+fn meaning(
+    path: &Path,
+    bytes: &[u8],
+    icc: Option<&[u8]>,
+    stated: Option<Transfer>,
+) -> Result<(Profile, String)> {
     let table = |transfer: Transfer| {
         let curve = Curve::Table((0..=65535).map(|code| transfer.light(f64::from(code) / 65535.0)).collect());
         Profile { curves: [curve.clone(), curve.clone(), curve], luma: LUMA }
@@ -120,7 +131,9 @@ fn png_gamma(bytes: &[u8]) -> Option<f64> {
         at += 12 + size;
     }
     // 45455 is what sRGB writes for programs that know gammas only.
-    gamma.filter(|gamma| (10_000..=1_000_000).contains(gamma) && !(45_000..=45_900).contains(gamma)).map(|gamma| 1e5 / f64::from(gamma))
+    gamma
+        .filter(|gamma| (10_000..=1_000_000).contains(gamma) && !(45_000..=45_900).contains(gamma))
+        .map(|gamma| 1e5 / f64::from(gamma))
 }
 
 /// JPEGs of four channels are for print.

@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::flow::refined;
 use crate::light::estimated_light;
 use crate::mask::{coherence, facing, feathered, hull, inside};
-use crate::params::{Light, Mode, Params};
 use crate::paper::paper_normals;
+use crate::params::{Light, Mode, Params};
 use crate::parts::Part;
 use crate::plane::Plane;
 use crate::ratio::ratio;
@@ -113,7 +113,13 @@ const MISFIT: f64 = 6.0;
 ///
 /// # Errors
 /// If parameters are out of range, planes differ in size, landmarks are too few, or nothing can be compared.
-pub fn acquire(neutral: &Photo, expression: &Photo, face: &Face, region: &Region, params: &Params) -> Result<Acquired, Error> {
+pub fn acquire(
+    neutral: &Photo,
+    expression: &Photo,
+    face: &Face,
+    region: &Region,
+    params: &Params,
+) -> Result<Acquired, Error> {
     params.check()?;
     check_sizes(neutral, face)?;
     if neutral.light == expression.light {
@@ -130,7 +136,8 @@ pub fn acquire(neutral: &Photo, expression: &Photo, face: &Face, region: &Region
 /// Refuses planes that do not have the neutral photograph's size.
 fn check_sizes(neutral: &Photo, face: &Face) -> Result<(), Error> {
     let wanted = [neutral.light.width, neutral.light.height];
-    let named = [("mask", face.painted.as_ref()), ("neutral normal map", face.neutral.as_ref().map(|n| &n[0]))];
+    let named =
+        [("mask", face.painted.as_ref()), ("neutral normal map", face.neutral.as_ref().map(|n| &n[0]))];
     for (name, plane) in named {
         if let Some(plane) = plane.filter(|plane| !plane.fits(&neutral.light)) {
             return Err(Error::Size { name: name.to_string(), found: [plane.width, plane.height], wanted });
@@ -240,7 +247,13 @@ impl Work {
         estimated_light(&self.neutral, &rough, &self.weight)
     }
 
-    fn finish(mut self, face: &Face, region: &Region, frame: &Frame, params: &Params) -> Result<Acquired, Error> {
+    fn finish(
+        mut self,
+        face: &Face,
+        region: &Region,
+        frame: &Frame,
+        params: &Params,
+    ) -> Result<Acquired, Error> {
         let io = face.io_px;
         let safe = |plane: &Plane| plane.map(|light| light.max(1e-6));
         let [ratio, exposure] = ratio(&safe(&self.neutral), &safe(&self.warped), &self.weight, io, params);
@@ -263,7 +276,9 @@ impl Work {
         let mut whole = [nx, ny, nz].map(|plane| plane.clone());
         for axis in 0..3 {
             whole[axis] = match &face.neutral {
-                Some(neutral) if frame.size != frame.whole => over(&neutral[axis], &normals[axis], frame.first),
+                Some(neutral) if frame.size != frame.whole => {
+                    over(&neutral[axis], &normals[axis], frame.first)
+                }
                 _ => put(&normals[axis], flat[axis]),
             };
         }
@@ -291,7 +306,8 @@ impl Work {
         params: &Params,
     ) -> Plane {
         let io = face.io_px;
-        let painted = painted.map(|painted| if region.masks { feathered(painted, io) } else { painted.clone() });
+        let painted =
+            painted.map(|painted| if region.masks { feathered(painted, io) } else { painted.clone() });
         let mut weight = match region.masks {
             true => feathered(&self.weight, io),
             false => self.usable.map(|_| 1.0),
@@ -306,7 +322,14 @@ impl Work {
         painted.map_or(weight.clone(), |painted| weight.with(&painted, |weight, painted| weight * painted))
     }
 
-    fn by_paper(&self, face: &Face, frame: &Frame, ratio: &Plane, weight: &Plane, params: &Params) -> ([Plane; 3], Option<Plane>) {
+    fn by_paper(
+        &self,
+        face: &Face,
+        frame: &Frame,
+        ratio: &Plane,
+        weight: &Plane,
+        params: &Params,
+    ) -> ([Plane; 3], Option<Plane>) {
         let neutral_z = match &face.neutral {
             Some(neutral) => frame.crop(&neutral[2]),
             None => ratio.map(|_| 1.0),
@@ -329,10 +352,16 @@ impl Work {
         // Where nothing counts nothing stays of the surface's slow changes either.
         let height = found.height;
         let slopes = height.gradient().map(|plane| {
-            plane.with(weight, |slope, weight| if weight > 0.0 { slope * (weight / 0.1).min(1.0) } else { 0.0 })
+            plane.with(
+                weight,
+                |slope, weight| if weight > 0.0 { slope * (weight / 0.1).min(1.0) } else { 0.0 },
+            )
         });
         let neutral = face.neutral.as_ref().map(|neutral| [0, 1, 2].map(|axis| frame.crop(&neutral[axis])));
-        (tilted(&slopes, neutral.as_ref()), Some(height.with(weight, |height, weight| if weight > 0.0 { height } else { 0.0 })))
+        (
+            tilted(&slopes, neutral.as_ref()),
+            Some(height.with(weight, |height, weight| if weight > 0.0 { height } else { 0.0 })),
+        )
     }
 
     /// Marks what shines or does not fit, and says how much of the ratio is left over.
@@ -365,7 +394,8 @@ fn outline(face: &Face, frame: &Frame, region: &Region) -> Plane {
     let place = |id: &String| face.pairs.iter().find(|pair| pair.id == *id).map(|pair| pair.from);
     for (ids, out) in &face.parts {
         let line: Vec<[f64; 2]> = ids.iter().filter_map(place).collect();
-        let center = [0, 1].map(|axis| line.iter().map(|at| at[axis]).sum::<f64>() / line.len().max(1) as f64);
+        let center =
+            [0, 1].map(|axis| line.iter().map(|at| at[axis]).sum::<f64>() / line.len().max(1) as f64);
         let pushed: Vec<[f64; 2]> = line.iter().map(|at| outwards(*at, center, out * face.io_px)).collect();
         if pushed.len() > 2 {
             let part = inside(&hull(&pushed), frame.first, width, height);
@@ -418,8 +448,10 @@ fn tilted([x, y]: &[Plane; 2], neutral: Option<&[Plane; 3]>) -> [Plane; 3] {
         None => 0.0,
     };
     let place = |column: usize, row: usize| row * x.width + column;
-    let tilt_x = Plane::from_fn(x.width, x.height, |column, row| ground(0, place(column, row)) - x.at(column, row));
-    let tilt_y = Plane::from_fn(x.width, x.height, |column, row| ground(1, place(column, row)) + y.at(column, row));
+    let tilt_x =
+        Plane::from_fn(x.width, x.height, |column, row| ground(0, place(column, row)) - x.at(column, row));
+    let tilt_y =
+        Plane::from_fn(x.width, x.height, |column, row| ground(1, place(column, row)) + y.at(column, row));
     let z = tilt_x.with(&tilt_y, |x, y| 1.0 / (1.0 + x * x + y * y).sqrt());
     [tilt_x.with(&z, |x, z| x * z), tilt_y.with(&z, |y, z| y * z), z]
 }
@@ -432,7 +464,8 @@ fn mixed(found: &[Plane; 3], neutral: Option<&[Plane; 3]>, weight: &Plane) -> [P
         if share >= 1.0 {
             continue;
         }
-        let ground = neutral.map_or([0.0, 0.0, 1.0], |neutral| [0, 1, 2].map(|axis| neutral[axis].values[at]));
+        let ground =
+            neutral.map_or([0.0, 0.0, 1.0], |neutral| [0, 1, 2].map(|axis| neutral[axis].values[at]));
         let ground = unit(ground);
         let sum = [0, 1, 2].map(|axis| ground[axis] + share * (out[axis].values[at] - ground[axis]));
         let normal = if share > 0.0 { unit(sum) } else { ground };

@@ -58,7 +58,8 @@ fn sharpness(ratio: &Plane, io: f64) -> Plane {
         let (sin, cos) = (0.5 * value(&xy).atan2(half)).sin_cos();
         let distance = (value(&gx) * cos + value(&gy) * sin) / bend;
         let weight = bend * (-(distance / reach).powi(2)).exp();
-        let across = cos * cos * value(&fine_xx) + 2.0 * sin * cos * value(&fine_xy) + sin * sin * value(&fine_yy);
+        let across =
+            cos * cos * value(&fine_xx) + 2.0 * sin * cos * value(&fine_xy) + sin * sin * value(&fine_yy);
         smooth.values[at] = weight * bend;
         fine.values[at] = weight * across;
     }

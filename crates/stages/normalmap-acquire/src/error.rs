@@ -14,7 +14,9 @@ pub enum Error {
         allowed: &'static str,
     },
     /// Landmarks are too few to say how the skin moved.
-    #[error("{count} landmarks have the same id in both pictures; at least 4 are needed\n  to do: mark the same places in both under the same ids")]
+    #[error(
+        "{count} landmarks have the same id in both pictures; at least 4 are needed\n  to do: mark the same places in both under the same ids"
+    )]
     FewLandmarks {
         /// How many there are.
         count: usize,
@@ -23,7 +25,9 @@ pub enum Error {
     #[error("the landmarks lie on one line\n  to do: mark places all over the face")]
     LandmarksOnALine,
     /// Planes of different sizes.
-    #[error("the {name} has {found:?} px, the neutral photograph {wanted:?}\n  to do: give it the size of the neutral photograph")]
+    #[error(
+        "the {name} has {found:?} px, the neutral photograph {wanted:?}\n  to do: give it the size of the neutral photograph"
+    )]
     Size {
         /// What has the wrong size.
         name: String,
@@ -41,10 +45,14 @@ pub enum Error {
         fix: &'static str,
     },
     /// Both photographs show the same.
-    #[error("both photographs show the same pixels: there is no expression to take over\n  to do: give a photograph of an expression")]
+    #[error(
+        "both photographs show the same pixels: there is no expression to take over\n  to do: give a photograph of an expression"
+    )]
     Identical,
     /// Too few frames for a modulation function.
-    #[error("{count} frames show {what}; at least 3 are needed\n  to do: film the way from rest to the full expression")]
+    #[error(
+        "{count} frames show {what}; at least 3 are needed\n  to do: film the way from rest to the full expression"
+    )]
     FewFrames {
         /// How many frames count.
         count: usize,

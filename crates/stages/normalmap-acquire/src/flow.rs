@@ -41,7 +41,8 @@ pub struct Refined {
 pub fn refined(field: &Field, neutral: &Plane, expression: &Plane, weight: &Plane, io: f64) -> Refined {
     let warped = field.fetch(expression);
     let weight = &steady(neutral, &warped, weight, io);
-    let mut levels = vec![(structure(neutral, weight, io), structure(&warped, weight, io), weight.clone(), io)];
+    let mut levels =
+        vec![(structure(neutral, weight, io), structure(&warped, weight, io), weight.clone(), io)];
     while levels.len() < LEVELS || levels.last().is_some_and(|level| level.3 > FINEST_IO_PX) {
         let Some((a, b, weight, io)) = levels.last() else { break };
         if a.width.min(a.height) < 48 {

@@ -90,7 +90,9 @@ const STEPS: [f64; 2] = [0.561_5, 1.389_6];
 
 fn residual(height: &Plane, right: &Plane, lambda: f64) -> Plane {
     let mut left = Plane::filled(height.width, height.height, 0.0);
-    relax(&mut left, &height.values, |at, pixel, sum, count| right.values[at] + sum - (count + lambda) * pixel);
+    relax(&mut left, &height.values, |at, pixel, sum, count| {
+        right.values[at] + sum - (count + lambda) * pixel
+    });
     left
 }
 

@@ -17,7 +17,12 @@ const ROUNDS: usize = 8;
 ///
 /// # Errors
 /// If there are too few landmarks, or they lie on a line.
-pub fn rough_normals(points: &[([f64; 2], f64)], io: f64, first: [usize; 2], size: [usize; 2]) -> Result<[Plane; 3], Error> {
+pub fn rough_normals(
+    points: &[([f64; 2], f64)],
+    io: f64,
+    first: [usize; 2],
+    size: [usize; 2],
+) -> Result<[Plane; 3], Error> {
     let pair = |(at, depth): &([f64; 2], f64)| Pair { id: String::new(), from: *at, to: [*depth, 0.0] };
     let pairs: Vec<Pair> = points.iter().map(pair).collect();
     let depth = Field::of(&Warp::fit(&pairs, io, SMOOTHING)?, first, size[0], size[1]).x;

@@ -26,14 +26,17 @@ pub struct Modulation {
 #[must_use]
 pub fn way(rest_to_frame: &[Pair], rest_to_end: &[Pair]) -> f64 {
     let (here, end) = (own_motion(rest_to_frame), own_motion(rest_to_end));
-    let dot = |a: &[[f64; 2]], b: &[[f64; 2]]| a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum::<f64>();
+    let dot =
+        |a: &[[f64; 2]], b: &[[f64; 2]]| a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum::<f64>();
     (dot(&here, &end) / dot(&end, &end).max(1e-12)).clamp(0.0, 1.0)
 }
 
 /// Displacements without the similarity that is nearest to them.
 fn own_motion(pairs: &[Pair]) -> Vec<[f64; 2]> {
     let count = pairs.len().max(1) as f64;
-    let mean = |of: fn(&Pair) -> [f64; 2]| [0, 1].map(|axis| pairs.iter().map(|pair| of(pair)[axis]).sum::<f64>() / count);
+    let mean = |of: fn(&Pair) -> [f64; 2]| {
+        [0, 1].map(|axis| pairs.iter().map(|pair| of(pair)[axis]).sum::<f64>() / count)
+    };
     let (a, b) = (mean(|pair| pair.from), mean(|pair| pair.to));
     let (mut along, mut across, mut square) = (0.0, 0.0, 1e-12);
     for Pair { from, to, .. } in pairs {
@@ -59,7 +62,8 @@ pub fn shown(frame: &Acquired, end: &Acquired) -> f64 {
             continue;
         }
         for axis in 0..2 {
-            let [here, there] = [frame, end].map(|map| map.normals[axis].values[at] / map.normals[2].values[at].max(0.05));
+            let [here, there] =
+                [frame, end].map(|map| map.normals[axis].values[at] / map.normals[2].values[at].max(0.05));
             both += here * there;
             own += there * there;
         }

@@ -85,12 +85,27 @@ impl Params {
                 true => Ok(()),
                 false => Err(Error::Parameter { name, value, allowed }),
             };
-        within("blur", self.blur_io, 0.0..=0.1, "it must lie between 0 and 0.1 of the distance of the pupils")?;
-        within("exposure-reach", self.exposure_io, 0.02..=2.0, "it must lie between 0.02 and 2 distances of the pupils")?;
+        within(
+            "blur",
+            self.blur_io,
+            0.0..=0.1,
+            "it must lie between 0 and 0.1 of the distance of the pupils",
+        )?;
+        within(
+            "exposure-reach",
+            self.exposure_io,
+            0.02..=2.0,
+            "it must lie between 0.02 and 2 distances of the pupils",
+        )?;
         within("reach", self.reach_io, 0.01..=2.0, "it must lie between 0.01 and 2 distances of the pupils")?;
         within("dead-zone", self.dead_zone, 0.0..=20.0, "it must lie between 0 and 20 noise levels")?;
         within("gain", self.gain.unwrap_or(1.0), 0.1..=5.0, "it must lie between 0.1 and 5")?;
-        within("side-blur", self.side_io.unwrap_or(0.02), 0.001..=0.2, "it must lie between 0.001 and 0.2 of the distance of the pupils")?;
+        within(
+            "side-blur",
+            self.side_io.unwrap_or(0.02),
+            0.001..=0.2,
+            "it must lie between 0.001 and 0.2 of the distance of the pupils",
+        )?;
         let Some(light) = self.light else { return Ok(()) };
         within("the flash's share", light.flash_share, 0.0..=1.0, "it must lie between 0 and 1")?;
         for tilt in light.tilt {

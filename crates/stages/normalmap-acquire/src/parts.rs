@@ -68,7 +68,12 @@ impl Scheme {
         if all(1..=68) {
             let loose: Vec<u16> = (61..=68).collect();
             let eyes = [&[37, 40][..], &[43, 46]].map(names);
-            return Self { name: Some("ibug"), parts: IBUG.iter().map(part).collect(), loose: names(&loose), eyes };
+            return Self {
+                name: Some("ibug"),
+                parts: IBUG.iter().map(part).collect(),
+                loose: names(&loose),
+                eyes,
+            };
         }
         // WebMorph's templates begin with the pupils.
         let eyes = if all(0..=188) { [names(&[0]), names(&[1])] } else { [vec![], vec![]] };

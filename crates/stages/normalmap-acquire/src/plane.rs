@@ -73,7 +73,9 @@ impl Plane {
         let (column, u) = split(x, self.width);
         let (row, v) = split(y, self.height);
         let (wx, wy) = (cubic_weights(u), cubic_weights(v));
-        if (1..self.width.saturating_sub(2)).contains(&column) && (1..self.height.saturating_sub(2)).contains(&row) {
+        if (1..self.width.saturating_sub(2)).contains(&column)
+            && (1..self.height.saturating_sub(2)).contains(&row)
+        {
             let line = |k: usize| {
                 let first = (row + k - 1) * self.width + column - 1;
                 let p = &self.values[first..first + 4];

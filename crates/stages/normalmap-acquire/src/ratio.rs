@@ -13,7 +13,13 @@ const ABOVE: f64 = 2.5;
 
 /// The ratio R = I'/I of linear light with its exposure taken out, and that exposure (log).
 #[must_use]
-pub(crate) fn ratio(neutral: &Plane, expression: &Plane, weight: &Plane, io: f64, params: &Params) -> [Plane; 2] {
+pub(crate) fn ratio(
+    neutral: &Plane,
+    expression: &Plane,
+    weight: &Plane,
+    io: f64,
+    params: &Params,
+) -> [Plane; 2] {
     if params.exposure() == Exposure::None {
         return [expression.with(neutral, |e, n| e / n), neutral.map(|_| 0.0)];
     }
@@ -38,7 +44,11 @@ fn local(log: &Plane, weight: &Plane, middle: f64, sigma: f64) -> Plane {
         let coarse_weight = crate::blur::halved(weight);
         let sums = crate::blur::halved(&log.with(weight, |log, weight| log * weight));
         let coarse = sums.with(&coarse_weight, |sum, weight| if weight > 1e-6 { sum / weight } else { 0.0 });
-        return crate::blur::doubled(&local(&coarse, &coarse_weight, middle, sigma / 2.0), log.width, log.height);
+        return crate::blur::doubled(
+            &local(&coarse, &coarse_weight, middle, sigma / 2.0),
+            log.width,
+            log.height,
+        );
     }
     let mut exposure = log.map(|_| middle);
     for _ in 0..ROUNDS {

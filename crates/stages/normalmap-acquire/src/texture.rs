@@ -26,7 +26,13 @@ pub struct Textured {
 ///
 /// # Errors
 /// If landmarks are too few or lie on a line.
-pub fn textured(found: &Acquired, pairs: &[Pair], width: usize, height: usize, smoothing: f64) -> Result<Textured, Error> {
+pub fn textured(
+    found: &Acquired,
+    pairs: &[Pair],
+    width: usize,
+    height: usize,
+    smoothing: f64,
+) -> Result<Textured, Error> {
     let scale = spread(pairs);
     let field = Field::of(&Warp::fit(pairs, scale, smoothing)?, [0, 0], width, height);
     let size = [found.weight.width, found.weight.height];
@@ -37,7 +43,11 @@ pub fn textured(found: &Acquired, pairs: &[Pair], width: usize, height: usize, s
     let folds = field.folds().with(&inner, |fold, inner| fold * inner);
     let weight = Plane::from_fn(width, height, |column, row| {
         let shown = inner.at(column, row) * (1.0 - folds.at(column, row));
-        if shown > 0.0 { found.weight.bilinear(field.x.at(column, row), field.y.at(column, row)) } else { 0.0 }
+        if shown > 0.0 {
+            found.weight.bilinear(field.x.at(column, row), field.y.at(column, row))
+        } else {
+            0.0
+        }
     });
     let [nx, ny, nz] = &found.normals;
     let slope = |axis: usize| {

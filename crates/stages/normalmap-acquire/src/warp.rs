@@ -47,7 +47,8 @@ impl Warp {
         }
         let inverse = system(&centers, smoothing).try_inverse().ok_or(Error::LandmarksOnALine)?;
         let column = |axis: usize| {
-            let right = nalgebra::DVector::from_fn(count + 3, |i, _| pairs.get(i).map_or(0.0, |pair| pair.to[axis]));
+            let right =
+                nalgebra::DVector::from_fn(count + 3, |i, _| pairs.get(i).map_or(0.0, |pair| pair.to[axis]));
             &inverse * right
         };
         let solved = [column(0), column(1)];
@@ -99,7 +100,8 @@ fn system(centers: &[[f64; 2]], smoothing: f64) -> DMatrix<f64> {
 /// Whether points spread in one direction only.
 fn is_line(points: &[[f64; 2]]) -> bool {
     let sum = |value: fn(&[f64; 2]) -> f64| points.iter().map(value).sum::<f64>();
-    let spread = Matrix2::new(sum(|p| p[0] * p[0]), sum(|p| p[0] * p[1]), sum(|p| p[0] * p[1]), sum(|p| p[1] * p[1]));
+    let spread =
+        Matrix2::new(sum(|p| p[0] * p[0]), sum(|p| p[0] * p[1]), sum(|p| p[0] * p[1]), sum(|p| p[1] * p[1]));
     spread.determinant() <= 1e-6 * spread.trace().powi(2)
 }
 
@@ -153,9 +155,11 @@ impl Field {
     pub fn jacobian(&self, column: usize, row: usize) -> Matrix2<f64> {
         let [left, right] = [column.saturating_sub(1), (column + 1).min(self.x.width - 1)];
         let [above, below] = [row.saturating_sub(1), (row + 1).min(self.x.height - 1)];
-        let along_x = |plane: &Plane| (plane.at(right, row) - plane.at(left, row)) / (right - left).max(1) as f64;
-        let along_y =
-            |plane: &Plane| (plane.at(column, below) - plane.at(column, above)) / (below - above).max(1) as f64;
+        let along_x =
+            |plane: &Plane| (plane.at(right, row) - plane.at(left, row)) / (right - left).max(1) as f64;
+        let along_y = |plane: &Plane| {
+            (plane.at(column, below) - plane.at(column, above)) / (below - above).max(1) as f64
+        };
         Matrix2::new(along_x(&self.x), along_y(&self.x), along_x(&self.y), along_y(&self.y))
     }
 

@@ -63,21 +63,18 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let found = run.timed("acquire", || acquire(&rest.photo, &expression, &face, &region, &params))?;
     run.parameters(&json!({ "method": params, "region": region }))?;
     tell(run, &found, rest.scheme.name);
-    let mut staged = match arguments.texture.pairs(run, &rest)? {
-        None => {
-            let mut staged = vec![arguments.output.normals(&arguments.out, &found.normals)?];
-            staged.extend(arguments.output.displacement(found.height.as_ref())?);
-            staged
-        }
+    let (normals, height) = match arguments.texture.pairs(run, &rest)? {
+        None => (found.normals.clone(), found.height.clone()),
         Some(pairs) => {
             let side = arguments.texture.texture_size as usize;
-            let map = run.timed("texture", || textured(&found, &pairs, side, side, arguments.options.params().map_or(1e-3, |_| 1e-3)))?;
+            let map = run.timed("texture", || textured(&found, &pairs, side, side, region.smoothing))?;
             run.result("texture_folded_px", map.folded);
-            let mut staged = vec![arguments.output.normals(&arguments.out, &map.normals)?];
-            staged.extend(arguments.output.displacement(found.height.is_some().then_some(&map.height))?);
-            staged
+            (map.normals, found.height.is_some().then_some(map.height))
         }
     };
+    let mut staged = vec![arguments.output.normals(&arguments.out, &normals)?];
+    staged.extend(arguments.output.displacement(height.as_ref())?);
+    staged.extend(arguments.output.numbers(&normals)?);
     staged.extend(arguments.output.steps(&found)?);
     run.publish(staged)
 }
@@ -107,7 +104,10 @@ pub(crate) fn tell(run: &mut Run, found: &Acquired, scheme: Option<&str>) {
         ));
     }
     if !(0.5..2.0).contains(&report.exposure) {
-        run.warn(format!("the expression is exposed {:.2} times as much as the neutral photograph", report.exposure));
+        run.warn(format!(
+            "the expression is exposed {:.2} times as much as the neutral photograph",
+            report.exposure
+        ));
     }
     if report.counted_px == 0 {
         run.warn("no pixel counts after all masks: the map is flat".to_string());

@@ -49,7 +49,8 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
         arguments.frames.display(),
         numbers.len()
     );
-    let file = |pattern: &Path, number: i64| PathBuf::from(image_path(&pattern.display().to_string(), number));
+    let file =
+        |pattern: &Path, number: i64| PathBuf::from(image_path(&pattern.display().to_string(), number));
     let mut film: Vec<(Vec<Pair>, Acquired)> = Vec::new();
     let mut staged = Vec::new();
     for &number in numbers.iter().rev() {

@@ -68,7 +68,9 @@ impl Neutral {
         let io_px = self.interocular(&landmarks, &scheme)?;
         let size = [photograph.width, photograph.height];
         let mut parts = scheme.parts.clone();
-        parts.extend(self.exclude.iter().map(|ids| (ids.split(',').map(|id| id.trim().to_string()).collect(), 0.0)));
+        parts.extend(
+            self.exclude.iter().map(|ids| (ids.split(',').map(|id| id.trim().to_string()).collect(), 0.0)),
+        );
         let depths: Option<Vec<_>> = landmarks.points.values().map(|p| Some((p.at, p.depth_px?))).collect();
         let rough = depths.map(|points| rough_normals(&points, io_px, [0, 0], size)).transpose()?;
         let face = Face {
@@ -84,7 +86,8 @@ impl Neutral {
 
     fn interocular(&self, landmarks: &Landmarks, scheme: &Scheme) -> anyhow::Result<f64> {
         let middle = |ids: &[String]| {
-            let places: Option<Vec<[f64; 2]>> = ids.iter().map(|id| Some(landmarks.points.get(id)?.at)).collect();
+            let places: Option<Vec<[f64; 2]>> =
+                ids.iter().map(|id| Some(landmarks.points.get(id)?.at)).collect();
             let places = places.filter(|places| !places.is_empty())?;
             Some([0, 1].map(|axis| places.iter().map(|at| at[axis]).sum::<f64>() / places.len() as f64))
         };
@@ -108,7 +111,11 @@ impl Neutral {
             ensure!(
                 [mask.width, mask.height] == size,
                 "{}: has {} × {} pixels, the neutral photograph {} × {}\n  to do: paint the mask over the neutral photograph",
-                path.display(), mask.width, mask.height, size[0], size[1]
+                path.display(),
+                mask.width,
+                mask.height,
+                size[0],
+                size[1]
             );
             let plane = Plane { width: mask.width, height: mask.height, values: mask.pixels };
             sum = Some(sum.map_or(plane.clone(), |sum| sum.with(&plane, |a, b| (a + b).min(1.0))));
@@ -129,16 +136,27 @@ impl Neutral {
         ensure!(
             [map.width, map.height] == size,
             "{}: has {} × {} pixels, the neutral photograph {} × {}\n  to do: give a map in the frame of the photograph",
-            path.display(), map.width, map.height, size[0], size[1]
+            path.display(),
+            map.width,
+            map.height,
+            size[0],
+            size[1]
         );
         let normal = |axis: usize| {
-            Plane::from_fn(map.width, map.height, |column, row| normal_of(map.at(column, row), Green::Opengl)[axis])
+            Plane::from_fn(map.width, map.height, |column, row| {
+                normal_of(map.at(column, row), Green::Opengl)[axis]
+            })
         };
         Ok(Some([normal(0), normal(1), normal(2)]))
     }
 
     /// The same landmarks in both photographs.
-    pub(crate) fn pairs(&self, rest: &Rest, expression: &Landmarks, path: &Path) -> anyhow::Result<Vec<Pair>> {
+    pub(crate) fn pairs(
+        &self,
+        rest: &Rest,
+        expression: &Landmarks,
+        path: &Path,
+    ) -> anyhow::Result<Vec<Pair>> {
         let ids = |landmarks: &Landmarks| landmarks.points.keys().cloned().collect::<BTreeSet<_>>();
         let (here, there) = (ids(&rest.landmarks), ids(expression));
         if let Some(id) = here.symmetric_difference(&there).next().filter(|_| !self.common_landmarks) {
@@ -148,19 +166,27 @@ impl Neutral {
             };
             bail!(
                 "{}: has no landmark {id}, which {} has ({} and {} landmarks)\n  to do: mark the same places in both, or say --common-landmarks",
-                other.display(), owner.display(), there.len(), here.len()
+                other.display(),
+                owner.display(),
+                there.len(),
+                here.len()
             );
         }
         let is_left_out = |id: &String| self.leave_out.contains(id) || rest.scheme.loose.contains(id);
         let pairs: Vec<Pair> = here
             .intersection(&there)
             .filter(|id| !is_left_out(id))
-            .map(|id| Pair { id: id.clone(), from: rest.landmarks.points[id].at, to: expression.points[id].at })
+            .map(|id| Pair {
+                id: id.clone(),
+                from: rest.landmarks.points[id].at,
+                to: expression.points[id].at,
+            })
             .collect();
         ensure!(
             pairs.len() >= 4,
             "{}: {} landmarks can be used; at least 4 are needed\n  to do: mark more places",
-            path.display(), pairs.len()
+            path.display(),
+            pairs.len()
         );
         check_crossed(&pairs, rest.face.io_px, path)?;
         Ok(pairs)
@@ -175,12 +201,15 @@ impl Neutral {
         ensure!(
             alike || self.unlike,
             "{}: has {}, the neutral photograph {}\n  to do: give photographs of one camera; if these are as they should be, say --unlike",
-            path.display(), told(there), told(here)
+            path.display(),
+            told(there),
+            told(here)
         );
         if here.luminance == there.luminance {
             bail!(
                 "{}: shows the same pixels as {}: there is no expression to take over\n  to do: give the photograph of an expression",
-                path.display(), self.neutral.display()
+                path.display(),
+                self.neutral.display()
             );
         }
         Ok(photograph)
@@ -193,14 +222,22 @@ fn check_crossed(pairs: &[Pair], io: f64, path: &Path) -> anyhow::Result<()> {
     match worst.filter(|at| warp.left_out()[*at] > CROSSED_IO * io && pairs.len() > 6) {
         Some(at) => bail!(
             "{}, landmark {}: lies {:.0} px from where the other landmarks expect it\n  to do: check that it is not crossed with another, or say --leave-out {}",
-            path.display(), pairs[at].id, warp.left_out()[at], pairs[at].id
+            path.display(),
+            pairs[at].id,
+            warp.left_out()[at],
+            pairs[at].id
         ),
         None => Ok(()),
     }
 }
 
 /// Reads a photograph that shows something.
-fn photograph(run: &mut Run, role: &str, path: &Path, stated: Option<Transfer>) -> anyhow::Result<Photograph> {
+fn photograph(
+    run: &mut Run,
+    role: &str,
+    path: &Path,
+    stated: Option<Transfer>,
+) -> anyhow::Result<Photograph> {
     let photograph = run.timed("read", || read_photograph(path, stated))?;
     run.input(role, path)?;
     run.detail(&format!("  {}: codes mean {}", path.display(), photograph.codes));
@@ -215,7 +252,10 @@ fn photograph(run: &mut Run, role: &str, path: &Path, stated: Option<Transfer>) 
         run.warn(format!("{}: {clipped} pixels are overexposed and do not count", path.display()));
     }
     if photograph.turned {
-        run.detail(&format!("  {}: turned as its EXIF data says; landmarks count in the turned picture", path.display()));
+        run.detail(&format!(
+            "  {}: turned as its EXIF data says; landmarks count in the turned picture",
+            path.display()
+        ));
     }
     Ok(photograph)
 }
@@ -234,28 +274,46 @@ pub(crate) fn photo(photograph: &Photograph) -> Photo {
 }
 
 /// Landmarks that lie in their photograph.
-pub(crate) fn landmarks(run: &mut Run, role: &str, path: &Path, photograph: &Photograph) -> anyhow::Result<Landmarks> {
+pub(crate) fn landmarks(
+    run: &mut Run,
+    role: &str,
+    path: &Path,
+    photograph: &Photograph,
+) -> anyhow::Result<Landmarks> {
     let LandmarkFile { landmarks, is_uv } = read_landmarks(path)?;
     run.input(role, path)?;
-    ensure!(!is_uv, "{}: holds texture coordinates\n  to do: give places in the photograph, px", path.display());
+    ensure!(
+        !is_uv,
+        "{}: holds texture coordinates\n  to do: give places in the photograph, px",
+        path.display()
+    );
     let size = [photograph.width, photograph.height];
     if let Some(said) = landmarks.size.filter(|said| said.map(|side| side as usize) != size) {
         bail!(
             "{}: is of a picture of {} × {} pixels, the photograph has {} × {}\n  to do: give the landmarks of this photograph, as it stands upright",
-            path.display(), said[0], said[1], size[0], size[1]
+            path.display(),
+            said[0],
+            said[1],
+            size[0],
+            size[1]
         );
     }
     let outside = |at: &[f64; 2]| (0..2).any(|axis| !(-0.5..=size[axis] as f64 - 0.5).contains(&at[axis]));
     if let Some((id, point)) = landmarks.points.iter().find(|(_, point)| outside(&point.at)) {
         bail!(
             "{}, landmark {id}: ({:.1}, {:.1}) lies outside the photograph of {} × {} pixels\n  to do: check that the landmarks belong to it and count from its upper left corner",
-            path.display(), point.at[0], point.at[1], size[0], size[1]
+            path.display(),
+            point.at[0],
+            point.at[1],
+            size[0],
+            size[1]
         );
     }
     ensure!(
         landmarks.points.len() >= 4,
         "{}: holds {} landmarks; at least 4 are needed\n  to do: mark more places",
-        path.display(), landmarks.points.len()
+        path.display(),
+        landmarks.points.len()
     );
     Ok(landmarks)
 }

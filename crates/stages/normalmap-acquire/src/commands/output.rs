@@ -22,6 +22,9 @@ pub(crate) struct Output {
     /// Size of a pixel of the neutral photograph on the skin, so that heights are in mm
     #[arg(long, value_name = "MM")]
     pixel_mm: Option<f64>,
+    /// Also write the normals as numbers, NumPy: x right, y up, z of each pixel (of the texel with --texture-landmarks)
+    #[arg(long, value_name = "FILE")]
+    npy: Option<PathBuf>,
     /// Folder for every step between: warped, ratio, mask, residual, confidence
     #[arg(long, value_name = "DIR")]
     pub(crate) debug: Option<PathBuf>,
@@ -39,7 +42,7 @@ impl Output {
     /// Paths beside the normal map itself.
     pub(crate) fn paths(&self) -> Vec<PathBuf> {
         let debug = self.debug.iter().map(|folder| folder.join("ratio.png"));
-        self.displacement.iter().cloned().chain(debug).collect()
+        self.displacement.iter().chain(&self.npy).cloned().chain(debug).collect()
     }
 
     fn green(&self) -> Green {
@@ -61,11 +64,27 @@ impl Output {
         }
     }
 
+    /// Normals as numbers.
+    pub(crate) fn numbers(&self, [x, y, z]: &[Plane; 3]) -> artifact::Result<Option<Staged>> {
+        let rows = || {
+            x.values
+                .iter()
+                .zip(&y.values)
+                .zip(&z.values)
+                .flat_map(|((x, y), z)| [*x, *y, *z])
+                .collect::<Vec<f64>>()
+        };
+        let write = |path: &PathBuf| artifact::npy::write(path, [x.values.len(), 3], &rows());
+        self.npy.as_ref().map(write).transpose()
+    }
+
     /// Heights, and what they mean.
     pub(crate) fn displacement(&self, height: Option<&Plane>) -> anyhow::Result<Vec<Staged>> {
         let Some(path) = &self.displacement else { return Ok(vec![]) };
         let Some(height) = height else {
-            anyhow::bail!("--displacement: the paper's method has no heights\n  to do: leave --mode paper or --displacement out");
+            anyhow::bail!(
+                "--displacement: the paper's method has no heights\n  to do: leave --mode paper or --displacement out"
+            );
         };
         if let Some(mm) = self.pixel_mm.filter(|mm| !(1e-4..=100.0).contains(mm)) {
             anyhow::bail!("--pixel-mm {mm}: must lie between 0.0001 and 100 mm");
@@ -93,8 +112,11 @@ impl Output {
                 plane.values.iter().map(|x| (value(*x).clamp(0.0, 1.0) * 65535.0).round() as u16).collect();
             write_gray16(&folder.join(name), plane.width, plane.height, &codes)
         };
-        let encoded = |light: f64| if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
-        let doubts: Vec<u8> = found.doubt.values.iter().flat_map(|doubt| DOUBTS[(*doubt as usize).min(6)]).collect();
+        let encoded = |light: f64| {
+            if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+        };
+        let doubts: Vec<u8> =
+            found.doubt.values.iter().flat_map(|doubt| DOUBTS[(*doubt as usize).min(6)]).collect();
         Ok(vec![
             gray("warped.png", &found.warped, encoded)?,
             gray("ratio.png", &found.ratio, |ratio| 0.5 * ratio)?,

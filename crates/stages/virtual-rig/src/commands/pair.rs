@@ -99,7 +99,9 @@ fn write(out: &Path, pair: &Pair, is_film: bool) -> anyhow::Result<Vec<Staged>> 
         staged.push(write_document(&out.join("expression-landmarks.json"), landmarks)?);
     }
     if is_film {
-        for (frame, (picture, landmarks)) in pair.expressions.iter().zip(&pair.expression_landmarks).enumerate() {
+        for (frame, (picture, landmarks)) in
+            pair.expressions.iter().zip(&pair.expression_landmarks).enumerate()
+        {
             staged.push(write_rgb8(&out.join(format!("frames/{frame:04}.png")), side, side, picture)?);
             staged.push(write_document(&out.join(format!("frames/{frame:04}.json")), landmarks)?);
         }

@@ -123,17 +123,29 @@ impl PairScenario {
         let share = |value: f64, top: f64| (0.0..=top).contains(&value);
         for (name, good, what) in [
             ("count", self.count[0] <= self.count[1] && self.count[1] <= 20, "must rise and be at most 20"),
-            ("width_mm", rises(self.width_mm, 20.0) && self.width_mm[0] > 0.0, "must rise, from above 0 to 20 mm"),
+            (
+                "width_mm",
+                rises(self.width_mm, 20.0) && self.width_mm[0] > 0.0,
+                "must rise, from above 0 to 20 mm",
+            ),
             ("depth_over_width", rises(self.depth_over_width, 1.0), "must rise, from 0 to 1"),
             ("depth_mm", rises(self.depth_mm, 5.0), "must rise, from 0 to 5 mm"),
             ("side_px", (64..=4096).contains(&self.side_px), "must lie between 64 and 4096"),
             ("pixel_mm", (0.01..=2.0).contains(&self.pixel_mm), "must lie between 0.01 and 2 mm"),
-            ("interocular_mm", (20.0..=120.0).contains(&self.interocular_mm), "must lie between 20 and 120 mm"),
+            (
+                "interocular_mm",
+                (20.0..=120.0).contains(&self.interocular_mm),
+                "must lie between 20 and 120 mm",
+            ),
             ("flash_share", share(self.flash_share, 1.0), "must lie between 0 and 1"),
             ("flash_tilt", self.flash_tilt.iter().all(|tilt| tilt.abs() <= 2.0), "must lie between -2 and 2"),
             ("albedo", share(self.albedo, 0.95), "must lie between 0 and 0.95"),
             ("degradation.texture", share(*texture, 0.3), "must lie between 0 and 0.3"),
-            ("degradation.misregistration_px", rises(*misregistration_px, 10.0), "must rise, from 0 to 10 px"),
+            (
+                "degradation.misregistration_px",
+                rises(*misregistration_px, 10.0),
+                "must rise, from 0 to 10 px",
+            ),
             ("degradation.exposure", rises(*exposure, 0.5), "must rise, from 0 to 0.5"),
             ("degradation.specular", share(*specular, 1.0), "must lie between 0 and 1"),
             ("degradation.blur_px", share(*blur_px, 10.0), "must lie between 0 and 10 px"),

@@ -293,7 +293,8 @@ impl<'a> Studio<'a> {
         let border = 0.06 * self.side as f64;
         let step = (self.side as f64 - 1.0 - 2.0 * border) / (LANDMARKS - 1) as f64;
         let point = |index: usize| {
-            let [x, y] = [index % LANDMARKS, index / LANDMARKS].map(|k| border + step * k as f64 - self.middle());
+            let [x, y] =
+                [index % LANDMARKS, index / LANDMARKS].map(|k| border + step * k as f64 - self.middle());
             let at = motion.forth([x, y]).map(|place| place + self.middle());
             (format!("p{index:02}"), Landmark { at, depth_px: None })
         };

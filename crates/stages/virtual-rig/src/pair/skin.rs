@@ -136,7 +136,8 @@ fn lines(scenario: &PairScenario, half: f64, rng: &mut ChaCha8Rng) -> Vec<Line> 
         let [shallow, deep] = scenario.depth_mm;
         Line {
             along: [c, s],
-            offset: pitch * (f64::from(index) - f64::from(count - 1) / 2.0) + 0.15 * pitch * rng.random_range(-1.0..1.0),
+            offset: pitch * (f64::from(index) - f64::from(count - 1) / 2.0)
+                + 0.15 * pitch * rng.random_range(-1.0..1.0),
             bow: rng.random_range(-3.0..3.0),
             wave: [rng.random_range(0.0..0.6), rng.random_range(2.5..6.0), rng.random_range(0.0..6.0)],
             half: half * rng.random_range(0.6..1.0),
