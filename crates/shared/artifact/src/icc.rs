@@ -43,7 +43,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Profile, &'static str> {
             let read = |names: [&[u8]; 3]| Some([curve(names[0])?, curve(names[1])?, curve(names[2])?]);
             let curves = read([b"rTRC", b"gTRC", b"bTRC"])
                 .ok_or("has no curves that are known (it works by tables)")?;
-            let bright = |name: &[u8]| Some(fixed(tag(bytes, name)?, 12)?);
+            let bright = |name: &[u8]| fixed(tag(bytes, name)?, 12);
             let luma = [bright(b"rXYZ"), bright(b"gXYZ"), bright(b"bXYZ")];
             let [Some(r), Some(g), Some(b)] = luma else {
                 return Err("does not say how bright its primaries are");

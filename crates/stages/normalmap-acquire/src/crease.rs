@@ -17,7 +17,7 @@ const NEAR: f64 = 0.35;
 /// They are averaged over so many scales.
 const POOL: f64 = 1.5;
 /// Fine over smooth curvature: rounded below the first, a crease above the second.
-const SHARP: [f64; 2] = [4.0, 8.0];
+const SHARP: [f64; 2] = [5.0, 9.0];
 /// Most that the fine gradient counts.
 const MOST: f64 = 0.8;
 /// Curvature is found over a picture of half the size where the pupils lie further apart, px.

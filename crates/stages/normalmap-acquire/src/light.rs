@@ -58,7 +58,7 @@ pub fn estimated_light(light: &Plane, normals: &[Plane; 3], weight: &Plane) -> O
         trust = left.iter().map(|value| 1.0 / (1.0 + (value / (2.0 * spread)).powi(4))).collect();
     }
     let [a, x, y, z] = <[f64; 4]>::from(found);
-    if !(a + z > 0.0) || !found.iter().all(|value| value.is_finite()) {
+    if a + z <= 0.0 || !found.iter().all(|value| value.is_finite()) {
         return None;
     }
     let share = z / (a + z);

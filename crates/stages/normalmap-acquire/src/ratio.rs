@@ -24,13 +24,19 @@ pub(crate) fn ratio(
         return [expression.with(neutral, |e, n| e / n), neutral.map(|_| 0.0)];
     }
     let log = expression.with(neutral, |e, n| (e / n).ln());
-    let log = log.with(weight, |log, weight| if weight > 0.0 && log.is_finite() { log } else { 0.0 });
     let middle = median(counted(&log, weight));
     let exposure = match params.exposure() {
         Exposure::Local => local(&log, weight, middle, params.exposure_io * io),
         _ => log.map(|_| middle),
     };
-    [log.with(&exposure, |log, exposure| (log - exposure).exp()), exposure]
+    let ratio = log.with(&exposure, |log, exposure| (log - exposure).exp());
+    match params.exposure() {
+        // A local exposure says nothing where nothing counts, and what stands there would be blurred into the rest.
+        Exposure::Local => {
+            [ratio.with(weight, |ratio, weight| if weight > 0.0 { ratio } else { 1.0 }), exposure]
+        }
+        _ => [ratio, exposure],
+    }
 }
 
 /// Numbers of pixels that count for more than half.
