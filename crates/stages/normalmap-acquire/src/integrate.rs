@@ -75,7 +75,7 @@ fn cycle(height: &mut Plane, right: &Plane, lambda: f64) {
     sweep(height, right, lambda);
 }
 
-/// Two steps down the residual whose lengths leave least of what a coarser grid cannot show [Chebyshev].
+/// Two steps of Chebyshev's: down the residual, with lengths that leave least of what a coarser grid cannot show.
 fn sweep(height: &mut Plane, right: &Plane, lambda: f64) {
     for step in STEPS {
         let before = height.values.clone();

@@ -305,7 +305,7 @@ impl<'a> Studio<'a> {
     }
 }
 
-/// A number of the standard normal distribution [Box and Muller].
+/// A number of the standard normal distribution, after Box and Muller.
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
     let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
     radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
