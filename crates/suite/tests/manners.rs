@@ -200,6 +200,38 @@ const CALLS: &[(&str, &[&str])] = &[
     ),
     ("shell-synth", &["--mesh", MESH, "--large-scale", DOCUMENT, "--valleys", STREAM, "--out", "out.json"]),
     ("bake", &["--low", MESH, "--high", "missing-input.obj", "--unit", "mm", "--out", "maps"]),
+    (
+        "normalmap-acquire",
+        &[
+            "acquire",
+            "--neutral",
+            "missing-input.png",
+            "--neutral-landmarks",
+            DOCUMENT,
+            "--expression",
+            "missing-input-2.png",
+            "--expression-landmarks",
+            DOCUMENT,
+            "--out",
+            "out.png",
+        ],
+    ),
+    (
+        "normalmap-acquire",
+        &[
+            "fit-modulation",
+            "--neutral",
+            "missing-input.png",
+            "--neutral-landmarks",
+            DOCUMENT,
+            "--frames",
+            "missing-input-{frame}.png",
+            "--frame-landmarks",
+            "missing-input-{frame}.json",
+            "--out",
+            "out.json",
+        ],
+    ),
     // `house new-stage` adds here
 ];
 

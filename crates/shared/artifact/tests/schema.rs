@@ -7,7 +7,7 @@ mod support;
 use artifact::provenance::Provenance;
 use artifact::{
     BakedMaps, CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, GreenAxis,
-    HandleFrame, Handles, HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories,
+    HandleFrame, Handles, HeadPose, HeadTrajectories, Labels, Landmarks, LargeScale, MarkerFrame, MeasuredTrajectories,
     MeshRef, PaintModel, ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase,
     TrackState, Tracks2d, Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp,
     Wrinkled, Wrinkles2d, document_schema, read_document, stream_schema, write_document,
@@ -35,6 +35,7 @@ fn kinds() -> Vec<(String, Value, PathBuf)> {
         stream::<TimeBase>(),
         document::<Frames>(),
         document::<Labels>(),
+        document::<Landmarks>(),
         document::<PaintModel>(),
         stream::<Tracks2d>(),
         stream::<Wrinkles2d>(),

@@ -6,7 +6,8 @@
 //! A take comes about in this order, one room each: [`body`] (whose face), [`act`] (what it does), [`wrinkle`] (how the
 //! skin folds), [`paint`] (dots and strokes on it), [`light`] (how much sky each point sees), [`film`] (what a camera
 //! makes of it), [`calibration`] (boards and wands), [`clock`] (when frames come, and which do not), [`take`] (all of it,
-//! from a [`scenario`]). [`score`] compares results with the truth.
+//! from a [`scenario`]). [`score`] compares results with the truth. Apart from takes, [`pair`] photographs patches of
+//! skin for maps from ratio images.
 
 pub mod act;
 pub mod body;
@@ -15,6 +16,7 @@ pub mod clock;
 pub mod film;
 pub mod light;
 pub mod paint;
+pub mod pair;
 pub mod scenario;
 pub mod score;
 pub mod take;

@@ -1,0 +1,480 @@
+//! From two photographs to normals: warp, ratio, slopes.
+
+use crate::error::Error;
+use crate::flow::refined;
+use crate::light::estimated_light;
+use crate::mask::{coherence, facing, feathered, hull, inside};
+use crate::paper::paper_normals;
+use crate::params::{Light, Mode, Params};
+use crate::parts::Part;
+use crate::plane::Plane;
+use crate::ratio::ratio;
+use crate::warp::{Field, Pair, Warp};
+use crate::{blur, estimator};
+
+/// A photograph: its linear luminance (white is 1), and where it can be trusted: 1, or 0 where it is clipped, unlit or transparent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Photo {
+    /// Linear luminance.
+    pub light: Plane,
+    /// What can be used.
+    pub usable: Plane,
+}
+
+/// What is known of the neutral face.
+#[derive(Debug, Clone, Default)]
+pub struct Face {
+    /// The same places in both photographs: from the neutral one to the expression.
+    pub pairs: Vec<Pair>,
+    /// Distance of the pupils in the neutral photograph, px.
+    pub io_px: f64,
+    /// Parts that are no skin.
+    pub parts: Vec<Part>,
+    /// Where somebody painted the region of interest, 0–1, of the neutral photograph's size; all of it if absent.
+    pub painted: Option<Plane>,
+    /// Fine normals of the neutral skin, in the frame of its picture: x right, y up.
+    pub neutral: Option<[Plane; 3]>,
+    /// Rough normals of the neutral face towards the camera, for the light and the cheeks' edge.
+    pub rough: Option<[Plane; 3]>,
+}
+
+/// How the region of interest is found, beside the method itself.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Region {
+    /// Landmarks may be missed by a thin plate with this smoothing.
+    pub smoothing: f64,
+    /// Whether the warp is refined by what the pictures show.
+    pub refine: bool,
+    /// Whether parts that are no skin, edges and blotches are left out.
+    pub masks: bool,
+    /// Whether the light is found from the rough normals, where these are given and none is stated.
+    pub find_light: bool,
+}
+
+impl Region {
+    /// What goes with a method: all for ours, nothing for the paper's, whose masks are painted.
+    #[must_use]
+    pub fn of(mode: Mode) -> Self {
+        let ours = mode == Mode::Estimator;
+        Self { smoothing: 1e-3, refine: ours, masks: ours, find_light: ours }
+    }
+}
+
+/// A normal map and all that led to it, in the frame of the neutral photograph.
+#[derive(Debug, Clone)]
+pub struct Acquired {
+    /// Unit normals: x right, y up, z towards the camera; (0, 0, 1), or the neutral normal, where nothing was found.
+    pub normals: [Plane; 3],
+    /// Height over the neutral skin, px; with the paper's method there is none.
+    pub height: Option<Plane>,
+    /// The expression's light, brought to the neutral photograph.
+    pub warped: Plane,
+    /// The ratio of light, exposure taken out; 1 where nothing can be compared.
+    pub ratio: Plane,
+    /// How much each pixel counts, 0–1.
+    pub weight: Plane,
+    /// What of the ratio no wrinkle explains: its difference from a smooth one, over the noise.
+    pub residual: Plane,
+    /// Why pixels do not count: 1 clipped, 2 unlit, 3 beyond the other picture, 4 folded, 5 shining, 6 misregistered.
+    pub doubt: Plane,
+    /// The light that was reckoned with.
+    pub light: Option<Light>,
+    /// Findings.
+    pub report: Report,
+}
+
+/// Counts and residuals of an acquisition.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// Landmarks used.
+    pub landmarks: usize,
+    /// Median distance by which the others miss a landmark, px.
+    pub left_out_median_px: f64,
+    /// Pixels of the region in which the warp folds.
+    pub folded_px: usize,
+    /// Median correction of the warp, px.
+    pub refined_median_px: f64,
+    /// Noise of the ratio.
+    pub noise: f64,
+    /// Exposure of the expression over the neutral photograph.
+    pub exposure: f64,
+    /// Pixels that count.
+    pub counted_px: usize,
+}
+
+/// Skin beyond the landmarks that is looked at too, io.
+const MARGIN_IO: f64 = 0.2;
+/// Ratios above this many noise levels over 1 shine.
+const SHINE: f64 = 6.0;
+/// Differences beyond this many noise levels at fine structure are registration's fault.
+const MISFIT: f64 = 6.0;
+
+/// Normals of the expression's wrinkles.
+///
+/// # Errors
+/// If parameters are out of range, planes differ in size, landmarks are too few, or nothing can be compared.
+pub fn acquire(
+    neutral: &Photo,
+    expression: &Photo,
+    face: &Face,
+    region: &Region,
+    params: &Params,
+) -> Result<Acquired, Error> {
+    params.check()?;
+    check_sizes(neutral, face)?;
+    if neutral.light == expression.light {
+        return Err(Error::Identical);
+    }
+    let warp = Warp::fit(&face.pairs, face.io_px, region.smoothing)?;
+    let frame = Frame::of(neutral, face, region);
+    let work = Work::new(neutral, expression, face, region, &frame, &warp)?;
+    let light = params.light.or_else(|| work.found_light(face, region, &frame));
+    let params = Params { light, ..params.clone() };
+    work.finish(face, region, &frame, &params)
+}
+
+/// Refuses planes that do not have the neutral photograph's size.
+fn check_sizes(neutral: &Photo, face: &Face) -> Result<(), Error> {
+    let wanted = [neutral.light.width, neutral.light.height];
+    let named =
+        [("mask", face.painted.as_ref()), ("neutral normal map", face.neutral.as_ref().map(|n| &n[0]))];
+    for (name, plane) in named {
+        if let Some(plane) = plane.filter(|plane| !plane.fits(&neutral.light)) {
+            return Err(Error::Size { name: name.to_string(), found: [plane.width, plane.height], wanted });
+        }
+    }
+    Ok(())
+}
+
+/// The rectangle of the neutral photograph that is worked on.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    first: [usize; 2],
+    size: [usize; 2],
+    whole: [usize; 2],
+}
+
+impl Frame {
+    fn of(neutral: &Photo, face: &Face, region: &Region) -> Self {
+        let whole = [neutral.light.width, neutral.light.height];
+        if !region.masks {
+            return Self { first: [0, 0], size: whole, whole };
+        }
+        let margin = MARGIN_IO * face.io_px;
+        let bounds = |axis: usize| {
+            let places = face.pairs.iter().map(|pair| pair.from[axis]);
+            let (low, high) = places.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+            let first = (low - margin).clamp(0.0, (whole[axis] - 1) as f64) as usize;
+            let last = (high + margin).clamp(0.0, (whole[axis] - 1) as f64) as usize;
+            (first, last + 1 - first)
+        };
+        let ((left, width), (top, height)) = (bounds(0), bounds(1));
+        Self { first: [left, top], size: [width, height], whole }
+    }
+
+    fn crop(&self, plane: &Plane) -> Plane {
+        if self.size == self.whole {
+            return plane.clone();
+        }
+        plane.cropped([self.first[0], self.first[1], self.size[0], self.size[1]])
+    }
+
+    fn restore(&self, plane: &Plane, value: f64) -> Plane {
+        if self.size == self.whole {
+            return plane.clone();
+        }
+        plane.framed(self.first, self.whole, value)
+    }
+}
+
+/// What has been worked out so far, over the frame.
+struct Work {
+    neutral: Plane,
+    warped: Plane,
+    /// What can be compared, 0 or 1.
+    usable: Plane,
+    /// The region of interest, soft.
+    weight: Plane,
+    doubt: Plane,
+    report: Report,
+}
+
+impl Work {
+    fn new(
+        neutral: &Photo,
+        expression: &Photo,
+        face: &Face,
+        region: &Region,
+        frame: &Frame,
+        warp: &Warp,
+    ) -> Result<Self, Error> {
+        let light = frame.crop(&neutral.light);
+        let here = frame.crop(&neutral.usable);
+        let mut field = Field::of(warp, frame.first, frame.size[0], frame.size[1]);
+        let mut report = Report { landmarks: face.pairs.len(), ..Report::default() };
+        report.left_out_median_px = crate::plane::median(warp.left_out().iter());
+        let folds = field.folds();
+        let outline = outline(face, frame, region);
+        let inner = outline.with(&folds, |inside, fold| inside * (1.0 - fold));
+        report.folded_px = count(&outline.with(&folds, |inside, fold| inside * fold));
+        if region.refine {
+            let weight = blur::blurred(&inner.with(&here, |a, b| a * b), 0.02 * face.io_px);
+            let log = |plane: &Plane| plane.map(|light| light.max(1e-4).ln());
+            let better = refined(&field, &log(&light), &log(&expression.light), &weight, face.io_px);
+            report.refined_median_px = better.median_px;
+            field = better.field;
+        }
+        let warped = field.fetch(&expression.light);
+        let covered = field.covered(expression.light.width, expression.light.height);
+        let there = field.fetch(&expression.usable).map(|usable| f64::from(u8::from(usable > 0.999)));
+        let usable = here.with(&there, |a, b| a * b).with(&covered, |a, b| a * b);
+        let usable = usable.with(&folds, |usable, fold| usable * (1.0 - fold));
+        let weight = usable.with(&outline, |usable, inside| usable * inside);
+        if count(&weight) < 64 {
+            return Err(Error::NothingToCompare {
+                why: "too few are lit and unclipped in both photographs",
+                fix: "check the landmarks and the mask, and that neither photograph is black or overexposed",
+            });
+        }
+        let doubt = doubts([&here, &there, &covered, &folds]);
+        Ok(Self { neutral: light, warped, usable, weight, doubt, report })
+    }
+
+    /// The light by the neutral photograph's own shading.
+    fn found_light(&self, face: &Face, region: &Region, frame: &Frame) -> Option<Light> {
+        let rough = face.rough.as_ref().filter(|_| region.find_light)?;
+        let rough = [0, 1, 2].map(|axis| frame.crop(&rough[axis]));
+        estimated_light(&self.neutral, &rough, &self.weight)
+    }
+
+    fn finish(
+        mut self,
+        face: &Face,
+        region: &Region,
+        frame: &Frame,
+        params: &Params,
+    ) -> Result<Acquired, Error> {
+        let io = face.io_px;
+        let safe = |plane: &Plane| plane.map(|light| light.max(1e-6));
+        let [ratio, exposure] = ratio(&safe(&self.neutral), &safe(&self.warped), &self.weight, io, params);
+        self.report.exposure = crate::plane::median(crate::ratio::counted(&exposure, &self.weight)).exp();
+        let ratio = match region.masks {
+            true => ratio.with(&self.usable, |ratio, usable| if usable > 0.0 { ratio } else { 1.0 }),
+            false => ratio,
+        };
+        let painted = face.painted.as_ref().map(|painted| frame.crop(painted));
+        let weight = self.soft_weight(face, frame, region, &ratio, painted.as_ref(), params);
+        let (normals, height) = match params.mode {
+            Mode::Paper => self.by_paper(face, frame, &ratio, &weight, params),
+            Mode::Estimator => self.by_estimator(face, frame, &ratio, &weight, params),
+        };
+        self.report.counted_px = count(&weight);
+        let residual = self.judge(&ratio, &weight, io, params);
+        let put = |plane: &Plane, value: f64| frame.restore(plane, value);
+        let [nx, ny, nz] = &normals;
+        let flat = [0.0, 0.0, 1.0];
+        let mut whole = [nx, ny, nz].map(|plane| plane.clone());
+        for axis in 0..3 {
+            whole[axis] = match &face.neutral {
+                Some(neutral) if frame.size != frame.whole => {
+                    over(&neutral[axis], &normals[axis], frame.first)
+                }
+                _ => put(&normals[axis], flat[axis]),
+            };
+        }
+        Ok(Acquired {
+            normals: whole,
+            height: height.map(|height| put(&height, 0.0)),
+            warped: put(&self.warped, 0.0),
+            ratio: put(&ratio, 1.0),
+            weight: put(&weight, 0.0),
+            residual: put(&residual, 0.0),
+            doubt: put(&self.doubt, 0.0),
+            light: params.light,
+            report: self.report,
+        })
+    }
+
+    /// The region with soft borders.
+    fn soft_weight(
+        &self,
+        face: &Face,
+        frame: &Frame,
+        region: &Region,
+        ratio: &Plane,
+        painted: Option<&Plane>,
+        params: &Params,
+    ) -> Plane {
+        let io = face.io_px;
+        let painted =
+            painted.map(|painted| if region.masks { feathered(painted, io) } else { painted.clone() });
+        let mut weight = match region.masks {
+            true => feathered(&self.weight, io),
+            false => self.usable.map(|_| 1.0),
+        };
+        if region.masks {
+            let smooth = blur::blurred(ratio, 2.0 * params.blur_io * io);
+            weight = weight.with(&coherence(&smooth, io), |weight, stripes| weight * stripes);
+        }
+        if let Some(rough) = face.rough.as_ref().filter(|_| region.masks) {
+            weight = weight.with(&facing(&frame.crop(&rough[2])), |weight, facing| weight * facing);
+        }
+        painted.map_or(weight.clone(), |painted| weight.with(&painted, |weight, painted| weight * painted))
+    }
+
+    fn by_paper(
+        &self,
+        face: &Face,
+        frame: &Frame,
+        ratio: &Plane,
+        weight: &Plane,
+        params: &Params,
+    ) -> ([Plane; 3], Option<Plane>) {
+        let neutral_z = match &face.neutral {
+            Some(neutral) => frame.crop(&neutral[2]),
+            None => ratio.map(|_| 1.0),
+        };
+        let normals = paper_normals(ratio, &neutral_z, params.blur_io * face.io_px);
+        let neutral = face.neutral.as_ref().map(|neutral| [0, 1, 2].map(|axis| frame.crop(&neutral[axis])));
+        (mixed(&normals, neutral.as_ref(), weight), None)
+    }
+
+    fn by_estimator(
+        &mut self,
+        face: &Face,
+        frame: &Frame,
+        ratio: &Plane,
+        weight: &Plane,
+        params: &Params,
+    ) -> ([Plane; 3], Option<Plane>) {
+        let found = estimator::estimated(ratio, weight, face.io_px, params);
+        self.report.noise = found.noise;
+        // Where nothing counts nothing stays of the surface's slow changes either.
+        let height = found.height;
+        let slopes = height.gradient().map(|plane| {
+            plane.with(
+                weight,
+                |slope, weight| if weight > 0.0 { slope * (weight / 0.1).min(1.0) } else { 0.0 },
+            )
+        });
+        let neutral = face.neutral.as_ref().map(|neutral| [0, 1, 2].map(|axis| frame.crop(&neutral[axis])));
+        (
+            tilted(&slopes, neutral.as_ref()),
+            Some(height.with(weight, |height, weight| if weight > 0.0 { height } else { 0.0 })),
+        )
+    }
+
+    /// Marks what shines or does not fit, and says how much of the ratio is left over.
+    fn judge(&mut self, ratio: &Plane, weight: &Plane, io: f64, params: &Params) -> Plane {
+        let smooth = blur::blurred(ratio, (params.blur_io + 0.012) * io);
+        let noise = self.report.noise.max(1e-4);
+        let residual = ratio.with(&smooth, |ratio, smooth| (ratio - smooth).abs() / noise);
+        let shining = blur::blurred(ratio, params.blur_io * io).map(|ratio| (ratio - 1.0) / noise);
+        for (at, doubt) in self.doubt.values.iter_mut().enumerate() {
+            if *doubt == 0.0 && weight.values[at] > 0.0 {
+                *doubt = match () {
+                    () if shining.values[at] > SHINE => 5.0,
+                    () if residual.values[at] > MISFIT => 6.0,
+                    () => 0.0,
+                };
+            }
+        }
+        residual
+    }
+}
+
+/// Where skin lies: within the landmarks, without the parts that are none.
+fn outline(face: &Face, frame: &Frame, region: &Region) -> Plane {
+    let [width, height] = frame.size;
+    let places: Vec<[f64; 2]> = face.pairs.iter().map(|pair| pair.from).collect();
+    let mut outline = inside(&hull(&places), frame.first, width, height);
+    if !region.masks {
+        return outline;
+    }
+    let place = |id: &String| face.pairs.iter().find(|pair| pair.id == *id).map(|pair| pair.from);
+    for (ids, out) in &face.parts {
+        let line: Vec<[f64; 2]> = ids.iter().filter_map(place).collect();
+        let center =
+            [0, 1].map(|axis| line.iter().map(|at| at[axis]).sum::<f64>() / line.len().max(1) as f64);
+        let pushed: Vec<[f64; 2]> = line.iter().map(|at| outwards(*at, center, out * face.io_px)).collect();
+        if pushed.len() > 2 {
+            let part = inside(&hull(&pushed), frame.first, width, height);
+            outline = outline.with(&part, |outline, part| outline * (1.0 - part));
+        }
+    }
+    outline
+}
+
+/// A place further from a centre.
+fn outwards(at: [f64; 2], center: [f64; 2], by: f64) -> [f64; 2] {
+    let away = [at[0] - center[0], at[1] - center[1]];
+    let length = away[0].hypot(away[1]).max(1e-9);
+    [0, 1].map(|axis| at[axis] + by * away[axis] / length)
+}
+
+fn count(plane: &Plane) -> usize {
+    plane.values.iter().filter(|value| **value > 0.0).count()
+}
+
+fn doubts([here, there, covered, folds]: [&Plane; 4]) -> Plane {
+    let mut doubt = here.map(|usable| if usable > 0.0 { 0.0 } else { 1.0 });
+    for (at, doubt) in doubt.values.iter_mut().enumerate() {
+        *doubt = match () {
+            () if *doubt > 0.0 => *doubt,
+            () if covered.values[at] == 0.0 => 3.0,
+            () if folds.values[at] > 0.0 => 4.0,
+            () if there.values[at] == 0.0 => 2.0,
+            () => 0.0,
+        };
+    }
+    doubt
+}
+
+/// Normals laid into a larger picture.
+fn over(ground: &Plane, part: &Plane, [left, top]: [usize; 2]) -> Plane {
+    let mut whole = ground.clone();
+    for (row, line) in part.values.chunks(part.width).enumerate() {
+        let first = (top + row) * whole.width + left;
+        whole.values[first..first + part.width].copy_from_slice(line);
+    }
+    whole
+}
+
+/// Unit normals of slopes (x right, y down), laid over the neutral ones.
+fn tilted([x, y]: &[Plane; 2], neutral: Option<&[Plane; 3]>) -> [Plane; 3] {
+    let ground = |axis: usize, at: usize| match neutral {
+        // The neutral skin's own slopes are added.
+        Some(neutral) => neutral[axis].values[at] / neutral[2].values[at].max(0.05),
+        None => 0.0,
+    };
+    let place = |column: usize, row: usize| row * x.width + column;
+    let tilt_x =
+        Plane::from_fn(x.width, x.height, |column, row| ground(0, place(column, row)) - x.at(column, row));
+    let tilt_y =
+        Plane::from_fn(x.width, x.height, |column, row| ground(1, place(column, row)) + y.at(column, row));
+    let z = tilt_x.with(&tilt_y, |x, y| 1.0 / (1.0 + x * x + y * y).sqrt());
+    [tilt_x.with(&z, |x, z| x * z), tilt_y.with(&z, |y, z| y * z), z]
+}
+
+/// Normals between the neutral ones and the found ones, by weight.
+fn mixed(found: &[Plane; 3], neutral: Option<&[Plane; 3]>, weight: &Plane) -> [Plane; 3] {
+    let mut out = [0, 1, 2].map(|axis| found[axis].clone());
+    for at in 0..weight.values.len() {
+        let share = weight.values[at];
+        if share >= 1.0 {
+            continue;
+        }
+        let ground =
+            neutral.map_or([0.0, 0.0, 1.0], |neutral| [0, 1, 2].map(|axis| neutral[axis].values[at]));
+        let ground = unit(ground);
+        let sum = [0, 1, 2].map(|axis| ground[axis] + share * (out[axis].values[at] - ground[axis]));
+        let normal = if share > 0.0 { unit(sum) } else { ground };
+        (0..3).for_each(|axis| out[axis].values[at] = normal[axis]);
+    }
+    out
+}
+
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
+    vector.map(|x| x / length)
+}
