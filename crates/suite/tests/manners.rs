@@ -198,6 +198,7 @@ const CALLS: &[(&str, &[&str])] = &[
         &["--mesh", MESH, "--unit", "mm", "--object-map", "missing-input.png", "--out", "out.obj"],
     ),
     ("shell-synth", &["--mesh", MESH, "--large-scale", DOCUMENT, "--valleys", STREAM, "--out", "out.json"]),
+    ("wrinkle-blend", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj"]),
     // `house new-stage` adds here
 ];
 
