@@ -7,10 +7,12 @@
 //! skin folds), [`paint`] (dots and strokes on it), [`light`] (how much sky each point sees), [`film`] (what a camera
 //! makes of it), [`calibration`] (boards and wands), [`clock`] (when frames come, and which do not), [`take`] (all of it,
 //! from a [`scenario`]). [`score`] compares results with the truth.
+//! [`character`] is apart: the same face on bones, for wrinkles in games.
 
 pub mod act;
 pub mod body;
 pub mod calibration;
+pub mod character;
 pub mod clock;
 pub mod film;
 pub mod light;

@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod character;
 mod groove;
 mod make;
 mod scenario;
@@ -24,6 +25,7 @@ enum Command {
     Scenario(scenario::Arguments),
     Score(score::Arguments),
     Groove(groove::Arguments),
+    Character(character::Arguments),
 }
 
 impl stage::Arguments for Arguments {
@@ -38,5 +40,6 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         Command::Scenario(arguments) => scenario::run(run, &arguments),
         Command::Score(arguments) => score::run(run, &arguments),
         Command::Groove(arguments) => groove::run(run, &arguments),
+        Command::Character(arguments) => character::run(run, &arguments),
     }
 }
