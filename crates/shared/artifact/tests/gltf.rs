@@ -26,15 +26,21 @@ fn character() -> Character {
     let nodes: Vec<Node> = std::iter::once(node("head", None, 0.0))
         .chain((1..7).map(|i| node(&format!("bone {i}"), Some(0), f64::from(i))))
         .collect();
-    let six: Vec<(usize, f64)> =
-        [0.5, 0.125, 0.125, 0.125, 0.0625, 0.0625].into_iter().enumerate().collect();
+    let six: Vec<(usize, f64)> = [0.5, 0.125, 0.125, 0.125, 0.0625, 0.0625].into_iter().enumerate().collect();
     let mesh = SkinnedMesh {
         name: "face".into(),
-        positions: vec![[0., 0., 0.].into(), [1., 0., 0.25].into(), [0., 1., -0.5].into(), [1., 1., 0.].into()],
+        positions: vec![
+            [0., 0., 0.].into(),
+            [1., 0., 0.25].into(),
+            [0., 1., -0.5].into(),
+            [1., 1., 0.].into(),
+        ],
         uvs: vec![[0., 0.], [1., 0.], [0., 1.], [1., 1.]],
         triangles: vec![[0, 1, 2], [2, 1, 3]],
         joints: (0..7).collect(),
-        inverse_bind: (0..7).map(|i| Matrix4::new_translation(&Vector3::new(0.0, -f64::from(i), 0.0))).collect(),
+        inverse_bind: (0..7)
+            .map(|i| Matrix4::new_translation(&Vector3::new(0.0, -f64::from(i), 0.0)))
+            .collect(),
         influences: vec![vec![(0, 1.0)], six, vec![(1, 0.75), (6, 0.25)], vec![(3, 1.0)]],
     };
     let keys = Keys::Translation(vec![[0., 1., 0.5], [0., 2., 0.5]]);
@@ -135,7 +141,10 @@ fn faults_are_named_with_their_place() {
     type Change = fn(&mut Value);
     let cases: [(Change, &str); 10] = [
         (|v| v["asset"]["version"] = "1.0".into(), "no glTF 2"),
-        (|v| v["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "export it without compression"),
+        (
+            |v| v["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+            "export it without compression",
+        ),
         (|v| v["nodes"][2] = json!({ "mesh": 0 }), "has no skinned mesh"),
         (|v| v["accessors"][1]["count"] = 4.into(), "accessor 1 (mesh mesh 0): reaches beyond its buffer"),
         (|v| v["accessors"][2]["count"] = 2.into(), "has 3 positions, but weights of 2 vertices"),
@@ -143,7 +152,10 @@ fn faults_are_named_with_their_place() {
         (|v| v["nodes"][0]["children"] = json!([0]), "is above itself"),
         (|v| v["nodes"][0]["children"] = json!([9]), "node 0: refers to node 9, but there are 3"),
         (|v| v["buffers"][0]["byteLength"] = 77.into(), "buffer 0: has 76 bytes instead of 77"),
-        (|v| v["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 }), "lacks JOINTS_0 or WEIGHTS_0"),
+        (
+            |v| v["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 }),
+            "lacks JOINTS_0 or WEIGHTS_0",
+        ),
     ];
     for (change, wanted) in cases {
         let mut value = foreign();

@@ -6,11 +6,11 @@ mod support;
 
 use artifact::provenance::Provenance;
 use artifact::{
-    BlendWeights, CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, HandleFrame, Handles,
-    HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories, MeshRef, PaintModel, Poses,
-    ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase, TrackState, Tracks2d,
-    Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp, Wrinkled, Wrinkles2d,
-    document_schema, read_document, stream_schema, write_document,
+    BlendWeights, CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames,
+    HandleFrame, Handles, HeadPose, HeadTrajectories, Labels, LargeScale, MarkerFrame, MeasuredTrajectories,
+    MeshRef, PaintModel, Poses, ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase,
+    TrackState, Tracks2d, Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp,
+    Wrinkled, Wrinkles2d, document_schema, read_document, stream_schema, write_document,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -532,7 +532,10 @@ fn frozen_reference_poses_read() {
 #[test]
 fn frozen_blend_weights_read() {
     let (header, frames) = stream::<BlendWeights>();
-    assert_eq!((header.vertex_count, header.bones.len(), header.rate.unwrap().hz()), (3, 2, 30_000.0 / 1001.0));
+    assert_eq!(
+        (header.vertex_count, header.bones.len(), header.rate.unwrap().hz()),
+        (3, 2, 30_000.0 / 1001.0)
+    );
     assert_eq!(frames[0].vertices.as_ref().unwrap()["brows-up"], [0.0, 0.5, 0.1]);
     assert_eq!(frames[1].vertices.as_ref().unwrap().len(), 0);
     assert_eq!((frames[2].vertices.as_ref(), frames[2].bones["smile"]["jaw"]), (None, 0.1 + 0.2));

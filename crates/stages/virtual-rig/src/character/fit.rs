@@ -62,7 +62,9 @@ fn rigid(body: &Body, bones: &Bones, posed: &[Point3<f64>]) -> Isometry3<f64> {
         return Isometry3::identity();
     }
     (rest_mean, posed_mean) = (rest_mean / sum, posed_mean / sum);
-    let spread: Matrix3<f64> = carried.map(|(rest, posed, weight)| (posed - posed_mean) * (rest - rest_mean).transpose() * weight).sum();
+    let spread: Matrix3<f64> = carried
+        .map(|(rest, posed, weight)| (posed - posed_mean) * (rest - rest_mean).transpose() * weight)
+        .sum();
     let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&spread));
     let shift = posed_mean - turn * rest_mean;
     match shift.norm() < LEAST_MM && turn.angle() < 1e-3 {

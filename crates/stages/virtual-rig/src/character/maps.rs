@@ -97,11 +97,13 @@ fn nearest(path: &[Point2<f64>], at: Point2<f64>) -> Option<(Vector2<f64>, f64)>
 fn map(size: usize, normal: impl Fn(Point2<f64>) -> Vector3<f64> + Sync) -> Map {
     use rayon::prelude::*;
     let row = |y: usize| {
-        (0..size).flat_map(|x| {
-            let [u, v] = [x, y].map(|at| (at as f64 + 0.5) / size as f64 - 0.5);
-            let normal = normal(Point2::new(u * SPAN, -v * SPAN + MIDDLE_T)).normalize();
-            <[f64; 3]>::from(normal).map(|part| ((0.5 * part + 0.5) * 255.0).round() as u8)
-        }).collect::<Vec<u8>>()
+        (0..size)
+            .flat_map(|x| {
+                let [u, v] = [x, y].map(|at| (at as f64 + 0.5) / size as f64 - 0.5);
+                let normal = normal(Point2::new(u * SPAN, -v * SPAN + MIDDLE_T)).normalize();
+                <[f64; 3]>::from(normal).map(|part| ((0.5 * part + 0.5) * 255.0).round() as u8)
+            })
+            .collect::<Vec<u8>>()
     };
     let rows: Vec<Vec<u8>> = (0..size).into_par_iter().map(row).collect();
     Map { size, rgb: rows.concat() }

@@ -71,7 +71,9 @@ pub fn character(body: &Body) -> Character {
         uvs: texture_coordinates(body),
         triangles: body.triangles.clone(),
         joints: (0..BONE_COUNT).collect(),
-        inverse_bind: (0..BONE_COUNT).map(|bone| Matrix4::new_translation(&(-bones.place(bone).coords * METRES))).collect(),
+        inverse_bind: (0..BONE_COUNT)
+            .map(|bone| Matrix4::new_translation(&(-bones.place(bone).coords * METRES)))
+            .collect(),
         influences: bones.influences.clone(),
     };
     let posed = |pose: &Acted| fit::moves(body, &bones, &body.large_scale(&weights(pose)));
@@ -111,7 +113,8 @@ pub fn reference_poses(character: &Character) -> Poses {
 
 /// Per muscle its weight in a pose.
 fn weights(pose: &Acted) -> Vec<f64> {
-    let weight = |muscle: &&str| pose.muscles.iter().find(|(name, _)| name == muscle).map_or(0.0, |pair| pair.1);
+    let weight =
+        |muscle: &&str| pose.muscles.iter().find(|(name, _)| name == muscle).map_or(0.0, |pair| pair.1);
     MUSCLES.iter().map(weight).collect()
 }
 
@@ -126,7 +129,12 @@ fn texture_coordinates(body: &Body) -> Vec<[f64; 2]> {
 }
 
 /// A key a second; only bones that move have channels.
-fn animation(name: &str, bones: &Bones, poses: &[Vec<Isometry3<f64>>], interpolation: Interpolation) -> Animation {
+fn animation(
+    name: &str,
+    bones: &Bones,
+    poses: &[Vec<Isometry3<f64>>],
+    interpolation: Interpolation,
+) -> Animation {
     let times: Vec<f64> = (0..poses.len()).map(|second| second as f64).collect();
     let moving = (0..BONE_COUNT).filter(|&bone| poses.iter().any(|pose| pose[bone] != Isometry3::identity()));
     let channels = moving.flat_map(|bone| {
@@ -136,8 +144,12 @@ fn animation(name: &str, bones: &Bones, poses: &[Vec<Isometry3<f64>>], interpola
         };
         let translations: Vec<[f64; 3]> = poses.iter().map(|pose| placed(pose).0.into()).collect();
         let rotations: Vec<[f64; 4]> = poses.iter().map(|pose| placed(pose).1.coords.into()).collect();
-        [Keys::Translation(translations), Keys::Rotation(rotations)]
-            .map(|keys| Channel { node: bone, times: times.clone(), interpolation, keys })
+        [Keys::Translation(translations), Keys::Rotation(rotations)].map(|keys| Channel {
+            node: bone,
+            times: times.clone(),
+            interpolation,
+            keys,
+        })
     });
     Animation { name: name.into(), channels: channels.collect() }
 }
