@@ -118,7 +118,7 @@ class Transcription:
         length = np.linalg.norm(ac, axis=2)
         # The head itself defines the space.
         of = (length >= np.maximum(0.5, 0.01 * length.max(axis=1, keepdims=True))) & (np.arange(21) > 0)
-        return np.where(of, np.clip((ac * ab).sum(axis=2) / np.maximum(length, 1e-300) ** 2, 0, 1), 0), of
+        return np.where(of, np.clip((ac * ab).sum(axis=2) / np.maximum(length, 1e-9) ** 2, 0, 1), 0), of
 
     def weights(self, bones):
         """Eq. 5–6 with the smooth mask: #K x #V."""
@@ -130,7 +130,7 @@ class Transcription:
 
 
 def picture(path):
-    return cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+    return cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB).astype(float)
 
 
 def encoded(normals):
@@ -139,9 +139,9 @@ def encoded(normals):
 
 def laid_over(neutral, maps, weights):
     """Eq. 7–8; weights: #K x H x W."""
-    total = 2 * neutral / 255.0 - 1
+    total = 2 * neutral / 255 - 1
     for image, weight in zip(maps, weights):
-        n = 2 * image / 255.0 - 1
+        n = 2 * image / 255 - 1
         n[..., :2] = np.where(np.abs(n[..., :2]) <= 1 / 255 + 1e-6, 0, n[..., :2])
         total[..., :2] += weight[..., None] * n[..., :2]
         total[..., 2] *= np.maximum(1 + weight * (n[..., 2] - 1), 0.05)
@@ -170,14 +170,20 @@ def spread(mesh, weights, size):
 
 
 def recovery(frames, poses):
-    """The least own share, and the largest of others, over bones at the reference poses; frames in the order of poses."""
-    own = [min(frame["bones"][pose].values()) for frame, pose in zip(frames, poses)]
-    others = [share for frame, pose in zip(frames, poses) for other, bones in frame["bones"].items() if other != pose for share in bones.values()]
-    return min(own), max(others, default=0.0)
+    """At the reference poses (frames in the order of poses): the least own share and the largest of others over the bones of the
+    pose; and the largest share that is shown, over vertices, of what another pose shows at its own."""
+    own, others, sums = [], [], []
+    for frame, pose in zip(frames, poses):
+        bones = frame["bones"]
+        own += bones[pose].values()
+        others += [share for other in poses if other != pose for bone, share in bones[other].items() if bone in bones[pose]]
+        sums.append([sum(frame["vertices"].get(other, [0])) for other in poses])
+    shown = np.array(sums) / np.diag(sums)
+    return min(own), max(others, default=0.0), float((shown - np.eye(len(poses))).max())
 
 
 def real_recovery(ctx):
-    """The same of pose units of the real character; the first two times of a pose that is two of them lie beside it."""
+    """The least own share, and the largest crosstalk with and without --dual, of pose units of the real character."""
     model = ctx.data("skinned_face_makehuman") / "head_base.glb"
     program = ctx.binary("wrinkle-blend")
     poses = ctx.tmp / "real.json"
@@ -190,15 +196,14 @@ def real_recovery(ctx):
 
 def score(ctx):
     seeds = ctx.seeds or SEEDS
-    own, others, plain, shares, at_vertices = {}, {}, {}, {}, {}
-    exact, codes = {}, {}
+    own, others, crosstalk, plain, shares, at_vertices, exact, codes = ({} for _ in range(8))
     for seed in seeds:
         folder = character(ctx, seed, vertices=6000, map_size=512)
         mesh = Transcription(folder)
         _, header, frames, _ = weights(ctx, folder, "reference-poses", "--rate", 1, "--dual", "--frames", "1-4")
-        own[seed], others[seed] = recovery(frames, header["poses"])
+        own[seed], others[seed], crosstalk[seed] = recovery(frames, header["poses"])
         _, _, frames, _ = weights(ctx, folder, "reference-poses", "--rate", 1, "--frames", "1-4")
-        plain[seed] = recovery(frames, header["poses"])[1]
+        plain[seed] = recovery(frames, header["poses"])[1:]
         path, header, frames, _ = weights(ctx, folder, "expressions", "--rate", 2)
         apart, off = 0.0, 0.0
         for frame in frames:
@@ -212,7 +217,7 @@ def score(ctx):
         out, _ = blended(ctx, folder, path)
         maps = [picture(folder / f"{pose}.png") for pose in header["poses"]]
         neutral = picture(folder / "neutral.png")
-        exact[seed] = bool((picture(out / "000000.png") == encoded(2 * neutral / 255.0 - 1)).all())
+        exact[seed] = bool((picture(out / "000000.png") == encoded(2 * neutral / 255 - 1)).all())
         worst = 0.0
         for frame in [f for f in frames if f["frame"] in (2, 10, 13)]:
             every = spread(mesh, mesh.weights(mesh.at(frame["frame"] / 2)), 512)
@@ -221,7 +226,8 @@ def score(ctx):
             worst = max(worst, np.abs(picture(out / f"{frame['frame']:06}.png") - wanted)[under].max())
         codes[seed] = worst
     yield metric("pose_recovery", min(own.values()), 0.99, "higher", "share", by_seed=own, mode="--dual")
-    yield metric("others_at_poses", max(others.values()), 0.01, "lower", "share", by_seed=others, mode="--dual", without_dual=plain)
+    yield metric("others_at_poses", max(others.values()), 0.01, "lower", "share", by_seed=others, mode="--dual", without_dual={seed: pair[0] for seed, pair in plain.items()})
+    yield metric("crosstalk", max(crosstalk.values()), None, None, "share", by_seed=crosstalk, mode="--dual", without_dual={seed: pair[1] for seed, pair in plain.items()})
     yield metric("neutral_exact", min(exact.values()), True, "equal", "yes/no", by_seed=exact)
     yield metric("share_error", max(shares.values()), 1e-5, "lower", "share", by_seed=shares, peer="NumPy, 64 bits")
     yield metric("weight_error", max(at_vertices.values()), 1e-5, "lower", "share", by_seed=at_vertices, peer="NumPy, 64 bits")
