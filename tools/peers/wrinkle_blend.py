@@ -28,7 +28,7 @@ def character(ctx, seed, **words):
 
 def weights(ctx, folder, name, *words):
     """Weights of an animation: header, frames, summary."""
-    out = ctx.tmp / f"{folder.name}-{name}.jsonl"
+    out = ctx.tmp / f"{folder.name}-{name}{'-bones' if '--bones-only' in words else ''}.jsonl"
     call = [ctx.binary("wrinkle-blend"), "weights", "--model", folder / "head.glb", "--poses", folder / "poses.json"]
     summary = ctx.run([*call, "--animation", name, *words, "--out", out])
     lines = [json.loads(line) for line in out.read_text().splitlines()]
@@ -237,7 +237,7 @@ def score(ctx):
     yield metric("real_crosstalk", largest, 0.05, "lower", "share", mode="--dual", without_dual=without, character="MakeHuman head")
 
 
-REPEATS = 5
+REPEATS = 3
 
 
 def bench(ctx):

@@ -74,18 +74,23 @@ pub fn placed(id: &str, bones: &BTreeMap<String, BonePlacement>, nodes: &[Node])
     Ok(pose)
 }
 
+/// Smaller differences from rest are those of 32-bit files: as a share of the length, or rad.
+const ROUNDING: f64 = 1e-6;
+
 /// The bones that do not rest in a pose, as a file says it.
 #[must_use]
 pub fn written(pose: &Pose, nodes: &[Node]) -> BTreeMap<String, BonePlacement> {
     let mut bones = BTreeMap::new();
+    let apart = |a: &Vector3<f64>, b: &Vector3<f64>| (a - b).norm() > ROUNDING * a.norm().max(b.norm());
     for (node, placement) in nodes.iter().zip(pose) {
         let rest = &node.rest;
-        let turned = rest.rotation.angle_to(&placement.rotation) > 1e-9;
+        let turned = rest.rotation.angle_to(&placement.rotation) > ROUNDING;
         let [x, y, z, w]: [f64; 4] = placement.rotation.coords.into();
+        let moved = apart(&rest.translation, &placement.translation);
         let bone = BonePlacement {
-            translation: (rest.translation != placement.translation).then(|| placement.translation.into()),
+            translation: moved.then(|| placement.translation.into()),
             rotation_wxyz: turned.then_some([w, x, y, z]),
-            scale: (rest.scale != placement.scale).then(|| placement.scale.into()),
+            scale: apart(&rest.scale, &placement.scale).then(|| placement.scale.into()),
         };
         if bone != BonePlacement::default() {
             bones.insert(node.name.clone(), bone);
