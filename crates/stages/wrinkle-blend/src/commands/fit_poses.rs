@@ -15,6 +15,15 @@ use wrinkle_blend::{Goal, Modulation, Pose, fit_poses};
 pub(crate) struct Arguments {
     #[command(flatten)]
     model: ModelArguments,
+    /// How far any bone of any frame may lie from what the poses explain
+    #[arg(long, value_name = "MM", default_value_t = 1.0)]
+    tolerance_mm: f64,
+    /// The most poses
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=64))]
+    most: u16,
+    /// Poses to write (poses; - for standard output)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
     #[command(flatten)]
     motion: MotionArguments,
     /// Only these frames, e.g. 1001-1100
@@ -26,17 +35,8 @@ pub(crate) struct Arguments {
         allow_hyphen_values = true
     )]
     frames: FrameRange,
-    /// How far any bone of any frame may lie from what the poses explain
-    #[arg(long, value_name = "MM", default_value_t = 1.0)]
-    tolerance_mm: f64,
-    /// The most poses
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=64))]
-    most: u16,
     #[command(flatten)]
     params: ParamArguments,
-    /// Poses to write (poses; - for standard output)
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
 }
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {

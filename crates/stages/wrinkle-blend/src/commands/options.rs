@@ -10,15 +10,16 @@ use std::str::FromStr;
 use wrinkle_blend::{Blender, Mask, Modulation, NamedPose, Params, Probe, combined, placed, sample, written};
 
 #[derive(clap::Args, Serialize)]
-#[group(id = "reference poses", required = true, multiple = true)]
+#[group(skip)]
+#[command(group = clap::ArgGroup::new("references").required(true).multiple(true))]
 pub(crate) struct PoseArguments {
     /// Reference poses (poses)
-    #[arg(long, value_name = "FILE", group = "reference poses")]
+    #[arg(long, value_name = "FILE", group = "references")]
     #[serde(skip)]
     poses: Option<PathBuf>,
     /// A reference pose out of an animation of the character: its name and a time in seconds, or several times (A+B), whose poses
     /// are laid over each other; may be given again and again
-    #[arg(long = "pose", value_name = "ID=SECONDS", group = "reference poses")]
+    #[arg(long = "pose", value_name = "ID=SECONDS", group = "references")]
     given: Vec<GivenPose>,
     /// The animation that --pose means [default: the only one]
     #[arg(long, value_name = "NAME")]

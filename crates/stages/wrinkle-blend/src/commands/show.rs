@@ -17,6 +17,9 @@ pub(crate) struct Arguments {
     model: ModelArguments,
     #[command(flatten)]
     poses: PoseArguments,
+    /// Mesh to write, in mm (.ply)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
     #[command(flatten)]
     motion: MotionArguments,
     /// The frame
@@ -24,9 +27,6 @@ pub(crate) struct Arguments {
     frame: i64,
     #[command(flatten)]
     params: ParamArguments,
-    /// Mesh to write, in mm (.ply)
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
 }
 
 /// Skin without wrinkles.

@@ -17,6 +17,12 @@ pub(crate) struct Arguments {
     model: ModelArguments,
     #[command(flatten)]
     poses: PoseArguments,
+    /// Only what bones do: no weights of vertices
+    #[arg(long)]
+    bones_only: bool,
+    /// Weights to write (blend-weights; - for standard output)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
     #[command(flatten)]
     motion: MotionArguments,
     /// Only these frames, e.g. 1001-1100
@@ -28,14 +34,8 @@ pub(crate) struct Arguments {
         allow_hyphen_values = true
     )]
     frames: FrameRange,
-    /// Only what bones do: no weights of vertices
-    #[arg(long)]
-    bones_only: bool,
     #[command(flatten)]
     params: ParamArguments,
-    /// Weights to write (blend-weights; - for standard output)
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
 }
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
