@@ -241,6 +241,7 @@ fn a_performance_of_two_poses_needs_two() {
     let few = Goal { most: 1, ..goal };
     let refused = fit_poses(setting(&character, &neutral), &frames, few, &Params::default());
     assert!(matches!(refused, Err(Error::TooFewPoses { count: 1, .. })));
-    let still = fit_poses(setting(&character, &neutral), &[neutral.clone()], goal, &Params::default());
+    let still =
+        fit_poses(setting(&character, &neutral), std::slice::from_ref(&neutral), goal, &Params::default());
     assert!(matches!(still, Err(Error::NeutralPose { .. })));
 }

@@ -10,7 +10,7 @@ const BONES: [(&str, [f64; 3]); 3] =
     [("left", [-0.05, 0.05, 0.1]), ("right", [0.05, 0.05, 0.1]), ("jaw", [0.0, 0.0, 0.0])];
 
 /// Nodes: neck, head, left, right, jaw; a grid of 5 × 5 vertices, 0.2 m wide, that covers the whole map.
-pub fn character() -> Character {
+pub(crate) fn character() -> Character {
     let placement = |at: [f64; 3]| Placement { translation: at.into(), ..Placement::default() };
     let node = |name: &str, parent, at| Node { name: name.into(), parent, rest: placement(at) };
     let mut nodes = vec![node("neck", None, [0.0, 1.5, 0.0]), node("head", Some(0), [0.0, 0.1, 0.0])];
@@ -60,7 +60,7 @@ fn clip(character: &Character) -> Animation {
 }
 
 /// The left side up; both sides down and in; the jaw open, which turns on the spot.
-pub fn poses(character: &Character) -> Vec<NamedPose> {
+pub(crate) fn poses(character: &Character) -> Vec<NamedPose> {
     let rest = rest(&character.nodes);
     let moved = |change: &dyn Fn(&mut Pose)| {
         let mut pose = rest.clone();
@@ -80,11 +80,11 @@ pub fn poses(character: &Character) -> Vec<NamedPose> {
     ]
 }
 
-pub fn setting<'a>(character: &'a Character, neutral: &'a Pose) -> Setting<'a> {
+pub(crate) fn setting<'a>(character: &'a Character, neutral: &'a Pose) -> Setting<'a> {
     Setting { character, mesh: 0, head_bone: None, mm_per_unit: 1000.0, neutral }
 }
 
-pub fn blender(character: &Character, params: &Params) -> Blender {
+pub(crate) fn blender(character: &Character, params: &Params) -> Blender {
     let neutral = rest(&character.nodes);
     Blender::new(setting(character, &neutral), &poses(character), Modulation::Cosine, params).unwrap()
 }
