@@ -5,6 +5,8 @@ use nalgebra::Vector3;
 
 /// Skin weight from which on a bone counts fully.
 const FULL: f64 = 0.25;
+/// Smaller weights of vertices are 0: what rounding leaves at rest shows nothing at all.
+const LEAST: f32 = 1e-6;
 /// Poses that are summed together, for wide instructions.
 const LANES: usize = 4;
 
@@ -77,7 +79,8 @@ impl VertexMask {
                     (0..LANES).for_each(|lane| sum[lane] += counts * shares[lane]);
                 }
                 for (lane, row) in rows.iter_mut().enumerate() {
-                    row[vertex] = (sum[lane] * shrink[lane]).min(1.0);
+                    let weight = (sum[lane] * shrink[lane]).min(1.0);
+                    row[vertex] = if weight < LEAST { 0.0 } else { weight };
                 }
             }
         }
