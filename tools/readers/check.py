@@ -53,6 +53,19 @@ def check_static():
     assert provenance.made_from(record, FIXTURES / "obj/mesh.obj") is None
 
 
+def check_blending():
+    import blend_weights, poses
+    posed, maps, curve = poses.read(FIXTURES / "poses-1/poses.json")
+    close(posed["brows-up"]["jaw"]["rotation_wxyz"], [0.6, 0.8, 0, 0])
+    assert np.isnan(posed["brows-up"]["jaw"]["translation"]).all() and posed["smile"] == {}
+    assert maps == {"brows-up": "brows-up.png", "smile": None} and curve.tolist() == [[0, 0], [0.5, 0.125], [1, 1]]
+    header, frames, shares, weights = blend_weights.read(FIXTURES / "blend-weights-1/blend-weights.jsonl")
+    assert frames.tolist() == [1001, 1002, 1004] and header["bones"] == ["brow_l", "jaw"]
+    close(shares[0], [[0.1, 1], [np.nan, 0]])
+    close(weights[0], [[0, 0.5, 0.1], [0, 0, 0]])
+    assert (weights[1] == 0).all() and np.isnan(weights[2]).all()
+
+
 def check_frames():
     import handles, head_pose, trajectories_3d
     covariance, views = trajectories_3d.read_accuracy(FIXTURES / "trajectories-3d-1/measured.jsonl")
@@ -201,7 +214,8 @@ def check_commands():
               "response_basis": "response-basis-1/response-basis.json", "obj": "obj/mesh.obj", "ply": "ply/mesh.ply",
               "large_scale": "large-scale-1/large-scale.json", "baked_maps": "baked-maps-1/baked-maps.json",
               "pc2": "large-scale-1/sequence.pc2",
-              "provenance": "provenance-1/handles.jsonl.prov.json", "scenario": "scenario-1/scenario.json"}
+              "provenance": "provenance-1/handles.jsonl.prov.json", "scenario": "scenario-1/scenario.json",
+              "poses": "poses-1/poses.json", "blend_weights": "blend-weights-1/blend-weights.jsonl"}
     readers = {path.stem for path in HERE.glob("*.py")} - {"check"}
     assert readers == set(inputs) | {"c3d", "trc"}, readers ^ set(inputs)
     for reader in sorted(readers):
@@ -215,7 +229,7 @@ def check_commands():
 
 
 if __name__ == "__main__":
-    for check in (check_static, check_frames, check_capture, check_scenario, check_wrinkles, check_meshes, check_maps,
+    for check in (check_static, check_blending, check_frames, check_capture, check_scenario, check_wrinkles, check_meshes, check_maps,
                   check_formats_of_others, check_commands):
         check()
         print(f"ok: {check.__name__.replace('_', ' ')}")

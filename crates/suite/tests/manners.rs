@@ -232,6 +232,18 @@ const CALLS: &[(&str, &[&str])] = &[
             "out.json",
         ],
     ),
+    ("wrinkle-blend", &["check", "--model", "missing-input.glb", "--poses", DOCUMENT]),
+    ("wrinkle-blend", &["poses", "--model", "missing-input.glb", "--pose", "a=1", "--out", "out.json"]),
+    ("wrinkle-blend", &["fit-poses", "--model", "missing-input.glb", "--out", "out.json"]),
+    (
+        "wrinkle-blend",
+        &["weights", "--model", "missing-input.glb", "--poses", DOCUMENT, "--out", "out.jsonl"],
+    ),
+    ("wrinkle-blend", &["maps", "--model", "missing-input.glb", "--weights", STREAM, "--out", OUT]),
+    (
+        "wrinkle-blend",
+        &["show", "--model", "missing-input.glb", "--poses", DOCUMENT, "--frame", "1", "--out", "out.ply"],
+    ),
     // `house new-stage` adds here
 ];
 

@@ -8,7 +8,7 @@
 //! - *Outputs* are [`Staged`]: written under a temporary name, shown by [`Staged::publish`].
 //! - *Errors* name the file, the place in it, what is wrong and what to do.
 //! - Lengths are millimetres in every kind of ours; formats of others ([`obj`], [`ply`], [`pc2`], [`c3d`], [`trc`],
-//!   [`usda`], cameras as [`opencv`], [`anipose`], [`colmap`], …) are converted where
+//!   [`usda`], [`gltf`], cameras as [`opencv`], [`anipose`], [`colmap`], …) are converted where
 //!   they are read and written.
 //!
 //! ```no_run
@@ -35,6 +35,7 @@ mod staged;
 mod subsampling;
 
 mod baked_maps;
+mod blend_weights;
 mod camera_file;
 mod cameras;
 #[cfg(feature = "canvas")]
@@ -55,6 +56,7 @@ mod mesh_file;
 mod mesh_sequence;
 mod paint_model;
 mod photograph;
+mod poses;
 mod response_basis;
 mod sections;
 mod sync;
@@ -70,6 +72,7 @@ mod wrinkled;
 mod wrinkles_2d;
 
 pub mod c3d;
+pub mod gltf;
 pub mod marker_csv;
 pub mod npy;
 pub mod obj;
@@ -83,6 +86,7 @@ pub mod trc;
 pub mod usda;
 
 pub use baked_maps::{BakedMaps, BakedTile, GreenAxis};
+pub use blend_weights::{BlendWeights, BlendWeightsFrame, BlendWeightsHeader};
 pub use camera_file::{CameraFormat, Stated, anipose, colmap, opencv, read_cameras, write_cameras};
 pub use cameras::{CameraDeviation, CameraRig, RigCamera};
 pub use correspondence::{Correspondence, Pair};
@@ -109,6 +113,7 @@ pub use mesh_file::{read_mesh, write_mesh};
 pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use paint_model::{LearntPaint, PaintModel, SupportPixel};
 pub use photograph::{Photograph, read_photograph};
+pub use poses::{BonePlacement, Poses, ReferencePose};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
 pub use response_basis::ResponseBasis;
 pub use sections::{

@@ -6,11 +6,12 @@ mod support;
 
 use artifact::provenance::Provenance;
 use artifact::{
-    BakedMaps, CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter, Frames, GreenAxis,
-    HandleFrame, Handles, HeadPose, HeadTrajectories, Labels, Landmarks, LargeScale, MarkerFrame, MeasuredTrajectories,
-    MeshRef, PaintModel, ResponseBasis, SampleStatus, SectionState, Sections, Stream, Take, TimeBase,
-    TrackState, Tracks2d, Trajectories3d, Unit, Valleys, VertexMapping, VertexPath, VertexSet, Warp,
-    Wrinkled, Wrinkles2d, document_schema, read_document, stream_schema, write_document,
+    BakedMaps, BlendWeights, CameraRig, Correspondence, CurveState, Document, FrameReader, FrameWriter,
+    Frames, GreenAxis, HandleFrame, Handles, HeadPose, HeadTrajectories, Labels, Landmarks, LargeScale,
+    MarkerFrame, MeasuredTrajectories, MeshRef, PaintModel, Poses, ResponseBasis, SampleStatus, SectionState,
+    Sections, Stream, Take, TimeBase, TrackState, Tracks2d, Trajectories3d, Unit, Valleys, VertexMapping,
+    VertexPath, VertexSet, Warp, Wrinkled, Wrinkles2d, document_schema, read_document, stream_schema,
+    write_document,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -54,6 +55,8 @@ fn kinds() -> Vec<(String, Value, PathBuf)> {
         document::<ResponseBasis>(),
         document::<LargeScale>(),
         document::<BakedMaps>(),
+        document::<Poses>(),
+        stream::<BlendWeights>(),
         (provenance, schema, fixture("provenance-1/handles.jsonl.prov.json")),
     ]
 }
@@ -525,4 +528,26 @@ fn frozen_c3d_and_trc_read() {
         write_trajectories::<HeadTrajectories>(&again, &read).unwrap().publish().unwrap();
         assert_eq!(bytes(&again), bytes(&fixture(name)), "{name}");
     }
+}
+
+#[test]
+fn frozen_reference_poses_read() {
+    let poses: Poses = document();
+    assert_eq!(poses.poses.iter().map(|pose| pose.id.as_str()).collect::<Vec<_>>(), ["brows-up", "smile"]);
+    let jaw = &poses.poses[0].bones["jaw"];
+    assert_eq!((jaw.translation, jaw.rotation_wxyz), (None, Some([0.6, 0.8, 0.0, 0.0])));
+    assert_eq!(poses.poses[0].map.as_ref().unwrap().name, "brows-up.png");
+    assert_eq!(poses.modulation.unwrap()[1], [0.5, 0.125]);
+}
+
+#[test]
+fn frozen_blend_weights_read() {
+    let (header, frames) = stream::<BlendWeights>();
+    assert_eq!(
+        (header.vertex_count, header.bones.len(), header.rate.unwrap().hz()),
+        (3, 2, 30_000.0 / 1001.0)
+    );
+    assert_eq!(frames[0].vertices.as_ref().unwrap()["brows-up"], [0.0, 0.5, 0.1]);
+    assert_eq!(frames[1].vertices.as_ref().unwrap().len(), 0);
+    assert_eq!((frames[2].vertices.as_ref(), frames[2].bones["smile"]["jaw"]), (None, 0.1 + 0.2));
 }

@@ -7,11 +7,13 @@
 //! skin folds), [`paint`] (dots and strokes on it), [`light`] (how much sky each point sees), [`film`] (what a camera
 //! makes of it), [`calibration`] (boards and wands), [`clock`] (when frames come, and which do not), [`take`] (all of it,
 //! from a [`scenario`]). [`score`] compares results with the truth. Apart from takes, [`pair`] photographs patches of
-//! skin for maps from ratio images.
+//! skin for maps from ratio images. [`character`] is the same face on bones,
+//! for wrinkles in games.
 
 pub mod act;
 pub mod body;
 pub mod calibration;
+pub mod character;
 pub mod clock;
 pub mod film;
 pub mod light;

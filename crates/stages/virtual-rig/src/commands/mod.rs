@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod character;
 mod groove;
 mod make;
 mod pair;
@@ -26,6 +27,7 @@ enum Command {
     Score(score::Arguments),
     Groove(groove::Arguments),
     Pair(pair::Arguments),
+    Character(character::Arguments),
 }
 
 impl stage::Arguments for Arguments {
@@ -41,5 +43,6 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         Command::Score(arguments) => score::run(run, &arguments),
         Command::Groove(arguments) => groove::run(run, &arguments),
         Command::Pair(arguments) => pair::run(run, &arguments),
+        Command::Character(arguments) => character::run(run, &arguments),
     }
 }
