@@ -170,11 +170,15 @@ def check_meshes():
 
 
 def check_maps():
-    import baked_maps
+    import baked_maps, landmarks
     index, pictures = baked_maps.read(FIXTURES / "baked-maps-1/baked-maps.json")
     assert list(pictures) == [1001, 1012] and pictures[1012]["displacement"].name == "displacement.1012.png"
     close(baked_maps.normals(index, np.array([255, 0, 128], dtype=np.uint8)), np.array([1, 1, 1 / 255]) / np.sqrt(2 + 255**-2))
     close(baked_maps.displacement_mm(index, [0, 65535]), [-0.9, 0.9])
+    _, ids, points, depths = landmarks.read(FIXTURES / "landmarks-1/landmarks.json")
+    assert ids == ["brow_l", "brow_r"]
+    close(points, [[200.5, 0.1], [310, 12]])
+    close(depths, [-3.25, np.nan])
 
 
 def check_formats_of_others():
@@ -215,7 +219,7 @@ def check_commands():
               "large_scale": "large-scale-1/large-scale.json", "baked_maps": "baked-maps-1/baked-maps.json",
               "pc2": "large-scale-1/sequence.pc2",
               "provenance": "provenance-1/handles.jsonl.prov.json", "scenario": "scenario-1/scenario.json",
-              "poses": "poses-1/poses.json", "blend_weights": "blend-weights-1/blend-weights.jsonl"}
+              "poses": "poses-1/poses.json", "landmarks": "landmarks-1/landmarks.json", "blend_weights": "blend-weights-1/blend-weights.jsonl"}
     readers = {path.stem for path in HERE.glob("*.py")} - {"check"}
     assert readers == set(inputs) | {"c3d", "trc"}, readers ^ set(inputs)
     for reader in sorted(readers):
