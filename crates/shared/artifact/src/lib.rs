@@ -57,6 +57,7 @@ mod mesh_sequence;
 mod paint_model;
 mod photograph;
 mod poses;
+mod profile;
 mod response_basis;
 mod sections;
 mod sync;
@@ -114,11 +115,10 @@ pub use mesh_sequence::{MeshCursor, MeshSequence};
 pub use paint_model::{LearntPaint, PaintModel, SupportPixel};
 pub use photograph::{Photograph, read_photograph};
 pub use poses::{BonePlacement, Poses, ReferencePose};
+pub use profile::{Profile, ProfileShape};
 pub use quantity::{FileRef, FrameRange, MeshRef, Rate, Unit};
 pub use response_basis::ResponseBasis;
-pub use sections::{
-    Profile, Section, SectionDeviation, SectionState, Sections, SectionsFrame, SectionsHeader,
-};
+pub use sections::{Section, SectionDeviation, SectionState, Sections, SectionsFrame, SectionsHeader};
 pub use source::{file_name, read_bytes, read_text, sha256, sha256_of};
 pub use staged::{
     Sink, Staged, discard_unfinished, is_standard_stream, remove_frames, require_new_folder, stage_bytes,

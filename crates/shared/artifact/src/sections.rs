@@ -3,7 +3,7 @@
 use crate::finite::{unit_vector, within};
 use crate::ids::PerCamera;
 use crate::wrinkles_2d::{check_rising, known};
-use crate::{Kind, Rate, Stream, TakeRef, Violation, Wrinkle, finite};
+use crate::{Kind, Profile, ProfileShape, Rate, Stream, TakeRef, Violation, Wrinkle, finite};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,20 +24,6 @@ pub struct SectionsHeader {
     pub rate: Option<Rate>,
     /// The take.
     pub take: Option<TakeRef>,
-}
-
-/// A family of valley profiles: height over the distance p from the crease.
-///
-/// *s*: `S(p) = d (|p|/w − 1) e^(−|p|/w)` [BickelBotsch2007, Eq. 6]. *rounded*: `z(p) = D (ũ − 1) e^(−ũ)` with
-/// `ũ = √((p / (w_s (1 ± κ)))² + ε²)`, `+` on the right side (p > 0); width `w = w_s √(1 − ε²)` and depth `d = D (1 − ε) e^(−ε)`.
-/// With ε = κ = 0 it is *s*.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Profile {
-    /// The paper's profile, with a sharp crease.
-    S,
-    /// Rounded at the bottom and of unequal sides.
-    Rounded,
 }
 
 /// All cross-sections in one frame, in memory and in the file.
@@ -105,6 +91,14 @@ pub enum SectionState {
     Failed,
     /// Set by a person.
     Edited,
+}
+
+impl Section {
+    /// Its profile, in px over the distance along [`Section::normal`].
+    #[must_use]
+    pub fn shape(&self) -> ProfileShape {
+        ProfileShape { w: self.w_px, d: self.d_px, epsilon: self.epsilon, kappa: self.kappa }
+    }
 }
 
 impl Kind for Sections {

@@ -4,7 +4,7 @@ use crate::finite::{unit_vector, within};
 use crate::ids::check_ids;
 use crate::sections::check_profile;
 use crate::wrinkles_2d::check_rising;
-use crate::{Kind, MeshRef, Rate, Stream, TakeRef, Violation, Wrinkle, finite};
+use crate::{Kind, MeshRef, ProfileShape, Rate, Stream, TakeRef, Violation, Wrinkle, finite};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -70,6 +70,14 @@ pub struct ValleyPoint {
     pub epsilon: f64,
     /// Asymmetry κ, −1 < κ < 1: positive where the right side is the wider one.
     pub kappa: f64,
+}
+
+impl ValleyPoint {
+    /// Its profile, in mm over the distance along [`ValleyPoint::across`].
+    #[must_use]
+    pub fn shape(&self) -> ProfileShape {
+        ProfileShape { w: self.w_mm, d: self.d_mm, epsilon: self.epsilon, kappa: self.kappa }
+    }
 }
 
 impl Kind for Valleys {

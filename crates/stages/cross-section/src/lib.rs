@@ -60,5 +60,4 @@ pub use measure::{Measured, Painted, failed, measure, painted};
 pub use paint::{Band, Pixel, band};
 pub use paper::{SharpFit, SharpGroove};
 pub use params::{Model, Params};
-pub use profile::Profile;
 pub use steady::steadied;

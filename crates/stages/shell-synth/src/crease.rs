@@ -4,10 +4,10 @@ use crate::curve::{Curve, tangent};
 use crate::line::Line;
 use crate::locator::Locator;
 use crate::moment::{Moment, monotone};
-use crate::profile::Profile;
+use crate::profile::between;
 use crate::surface::Surface;
 use crate::{Error, Params, Track};
-use artifact::ValleysFrame;
+use artifact::{ProfileShape, ValleysFrame};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ pub(crate) struct Crease {
     pub(crate) id: String,
     pub(crate) curve: Curve,
     /// Per frame that valleys were given for, per sample: the section, d = 0 where there is none.
-    sections: Vec<Vec<Profile>>,
+    sections: Vec<Vec<ProfileShape>>,
     /// The same for how far to the right of the curve it was found, mm; without any where it stays.
     offsets: Option<Vec<Vec<f64>>>,
     pub(crate) drift: Drift,
@@ -116,11 +116,11 @@ impl Crease {
         let found_mm = wander_95(&wander, &sections, params.fade_depth_mm);
         let curve = shifted(surface, normals, locator, &guide, &track);
         let used_mm = if params.track == Track::AsFound { found_mm } else { 0.0 };
-        let open = || sections.iter().flatten().filter(|section| section.d_mm > params.fade_depth_mm);
+        let open = || sections.iter().flatten().filter(|section| section.d > params.fade_depth_mm);
         Some(Self {
             id: id.to_string(),
-            widest_mm: open().map(|section| section.w_mm * (1.0 + section.kappa.abs())).fold(0.0, f64::max),
-            narrowest_mm: open().map(|section| section.w_mm).fold(f64::INFINITY, f64::min),
+            widest_mm: open().map(|section| section.w * (1.0 + section.kappa.abs())).fold(0.0, f64::max),
+            narrowest_mm: open().map(|section| section.w).fold(f64::INFINITY, f64::min),
             deepest_mm: deepest,
             offsets: (params.track == Track::AsFound && found_mm > 0.0).then_some(wander),
             drift: Drift { found_mm, used_mm },
@@ -130,16 +130,16 @@ impl Crease {
     }
 
     /// The sections along the crease at a time; nothing where it is closed all along.
-    pub(crate) fn sections(&self, moment: &Moment) -> Option<Vec<Profile>> {
+    pub(crate) fn sections(&self, moment: &Moment) -> Option<Vec<ProfileShape>> {
         let row = |at: usize, k: usize| &self.sections[at.min(self.sections.len() - 1)][k];
         let mix = |k: usize| {
-            let mut section = row(moment.before, k).between(row(moment.after, k), moment.share);
+            let mut section = between(row(moment.before, k), row(moment.after, k), moment.share);
             let beyond = [moment.before.saturating_sub(1), moment.before, moment.after, moment.after + 1];
-            section.d_mm = moment.held * monotone(beyond.map(|at| row(at, k).d_mm), moment.share);
+            section.d = moment.held * monotone(beyond.map(|at| row(at, k).d), moment.share);
             section
         };
-        let sections: Vec<Profile> = (0..self.curve.points.len()).map(mix).collect();
-        sections.iter().any(|section| section.d_mm > 0.0).then_some(sections)
+        let sections: Vec<ProfileShape> = (0..self.curve.points.len()).map(mix).collect();
+        sections.iter().any(|section| section.d > 0.0).then_some(sections)
     }
 
     /// The line at a time.
@@ -160,14 +160,14 @@ impl Crease {
 type Rows<T> = Vec<Vec<T>>;
 
 /// Per frame and sample of the guide: section and offset of the line that was found.
-fn crossings(guide: &Curve, lines: &[Line]) -> (Rows<Profile>, Rows<Option<f64>>) {
+fn crossings(guide: &Curve, lines: &[Line]) -> (Rows<ProfileShape>, Rows<Option<f64>>) {
     let directions: Vec<Vector3<f64>> = (0..guide.points.len()).map(|k| tangent(&guide.points, k)).collect();
-    let of_line = |line: &Line| -> (Vec<Profile>, Vec<Option<f64>>) {
+    let of_line = |line: &Line| -> (Vec<ProfileShape>, Vec<Option<f64>>) {
         let at = |k: usize| line.crossing(&guide.points[k], &directions[k], &guide.across[k]);
         (0..guide.points.len())
             .map(at)
             .map(|found| {
-                found.map_or((Profile::default(), None), |(offset, section)| (section, Some(offset)))
+                found.map_or((ProfileShape::default(), None), |(offset, section)| (section, Some(offset)))
             })
             .unzip()
     };
@@ -175,29 +175,29 @@ fn crossings(guide: &Curve, lines: &[Line]) -> (Rows<Profile>, Rows<Option<f64>>
 }
 
 /// Where there is no section, that of the nearest time with one is taken, 0 deep.
-fn fill_sections(rows: &mut [Vec<Profile>]) {
+fn fill_sections(rows: &mut [Vec<ProfileShape>]) {
     let samples = rows.first().map_or(0, Vec::len);
     for k in 0..samples {
-        let known: Vec<usize> = (0..rows.len()).filter(|&t| rows[t][k].w_mm > 0.0).collect();
+        let known: Vec<usize> = (0..rows.len()).filter(|&t| rows[t][k].w > 0.0).collect();
         for t in 0..rows.len() {
-            if rows[t][k].w_mm > 0.0 {
+            if rows[t][k].w > 0.0 {
                 continue;
             }
             let nearest = known.iter().min_by_key(|&&other| other.abs_diff(t));
             rows[t][k] = match nearest {
-                Some(&other) => Profile { d_mm: 0.0, ..rows[other][k] },
-                None => Profile { w_mm: 1.0, ..Profile::default() },
+                Some(&other) => ProfileShape { d: 0.0, ..rows[other][k] },
+                None => ProfileShape { w: 1.0, ..ProfileShape::default() },
             };
         }
     }
 }
 
 /// Per sample the median offset over all frames, weighted by depth, smoothed a little along the crease.
-fn steady_track(sections: &[Vec<Profile>], offsets: &[Vec<Option<f64>>]) -> Vec<f64> {
+fn steady_track(sections: &[Vec<ProfileShape>], offsets: &[Vec<Option<f64>>]) -> Vec<f64> {
     let samples = sections.first().map_or(0, Vec::len);
     let median = |k: usize| {
         let mut seen: Vec<(f64, f64)> =
-            (0..sections.len()).filter_map(|t| Some((offsets[t][k]?, sections[t][k].d_mm))).collect();
+            (0..sections.len()).filter_map(|t| Some((offsets[t][k]?, sections[t][k].d))).collect();
         seen.sort_by(|a, b| a.0.total_cmp(&b.0));
         let half: f64 = 0.5 * seen.iter().map(|seen| seen.1).sum::<f64>();
         let mut sum = 0.0;
@@ -219,12 +219,12 @@ fn steady_track(sections: &[Vec<Profile>], offsets: &[Vec<Option<f64>>]) -> Vec<
 }
 
 /// The distance that 95 % of all open samples stay below.
-fn wander_95(wander: &[Vec<f64>], sections: &[Vec<Profile>], open_mm: f64) -> f64 {
+fn wander_95(wander: &[Vec<f64>], sections: &[Vec<ProfileShape>], open_mm: f64) -> f64 {
     let mut all: Vec<f64> = wander
         .iter()
         .flatten()
         .zip(sections.iter().flatten())
-        .filter(|(_, section)| section.d_mm > open_mm)
+        .filter(|(_, section)| section.d > open_mm)
         .map(|(offset, _)| offset.abs())
         .collect();
     all.sort_by(f64::total_cmp);

@@ -62,7 +62,6 @@ pub use crease::Drift;
 pub use descent::Descent;
 pub use error::Error;
 pub use params::{Params, Solver, Track};
-pub use profile::Profile;
 pub use refine::Refinement;
 pub use report::{CreaseReport, RegionReport};
 pub use synthesis::{Synthesis, Wrinkling};

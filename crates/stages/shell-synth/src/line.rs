@@ -1,9 +1,9 @@
 //! A crease as it was found in one frame.
 
 use crate::locator::Place;
-use crate::profile::Profile;
+use crate::profile::between;
 use crate::surface::Surface;
-use artifact::ValleyPoint;
+use artifact::{ProfileShape, ValleyPoint};
 use nalgebra::{Point3, Vector3};
 
 /// Spacing of the samples along a crease, mm.
@@ -19,20 +19,18 @@ pub(crate) struct Line {
     places: Vec<Place>,
     /// Length from the start, mm.
     along: Vec<f64>,
-    sections: Vec<Profile>,
+    sections: Vec<ProfileShape>,
 }
 
 impl Line {
     pub(crate) fn new(surface: &Surface, points: &[ValleyPoint]) -> Self {
         let places: Vec<Place> =
             points.iter().map(|point| Place { triangle: point.face, shares: point.barycentric }).collect();
-        let section =
-            |p: &ValleyPoint| Profile { w_mm: p.w_mm, d_mm: p.d_mm, epsilon: p.epsilon, kappa: p.kappa };
         let mut line = Self {
             points: places.iter().map(|place| place.on(&surface.rest, &surface.triangles)).collect(),
             places,
             along: Vec::new(),
-            sections: points.iter().map(section).collect(),
+            sections: points.iter().map(ValleyPoint::shape).collect(),
         };
         let mut length = 0.0;
         for k in 0..line.points.len() {
@@ -40,7 +38,7 @@ impl Line {
             line.along.push(length);
         }
         for (section, at) in line.sections.iter_mut().zip(&line.along) {
-            section.d_mm = section.d_mm.min(END_SLOPE * at.min(length - at));
+            section.d = section.d.min(END_SLOPE * at.min(length - at));
         }
         line
     }
@@ -50,7 +48,7 @@ impl Line {
     }
 
     pub(crate) fn deepest(&self) -> f64 {
-        self.sections.iter().map(|section| section.d_mm).fold(0.0, f64::max)
+        self.sections.iter().map(|section| section.d).fold(0.0, f64::max)
     }
 
     /// Where it crosses the plane across another curve at one of its samples: the distance along `across`, and the section.
@@ -59,9 +57,9 @@ impl Line {
         at: &Point3<f64>,
         along: &Vector3<f64>,
         across: &Vector3<f64>,
-    ) -> Option<(f64, Profile)> {
+    ) -> Option<(f64, ProfileShape)> {
         let before = |point: &Point3<f64>| (point - at).dot(along);
-        let mut best: Option<(f64, f64, Profile)> = None;
+        let mut best: Option<(f64, f64, ProfileShape)> = None;
         for k in 1..self.points.len() {
             let (a, b) = (before(&self.points[k - 1]), before(&self.points[k]));
             if (a > 0.0) == (b > 0.0) && a != 0.0 {
@@ -74,7 +72,7 @@ impl Line {
                 best = Some((
                     distance,
                     from.dot(across),
-                    self.sections[k - 1].between(&self.sections[k], share),
+                    between(&self.sections[k - 1], &self.sections[k], share),
                 ));
             }
         }

@@ -4,9 +4,10 @@ use crate::Params;
 use crate::crease::Creases;
 use crate::curve::{Curve, Foot, nearest_from};
 use crate::moment::Moment;
-use crate::profile::{Profile, smooth_step};
+use crate::profile::{between, distance_of_arc, smooth_step};
 use crate::reach::Beside;
 use crate::surface::{NONE, Surface};
+use artifact::ProfileShape;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -51,7 +52,7 @@ pub(crate) struct Open<'a> {
     pub(crate) crease: u32,
     pub(crate) curve: &'a Curve,
     pub(crate) reach: &'a [Beside],
-    pub(crate) sections: Vec<Profile>,
+    pub(crate) sections: Vec<ProfileShape>,
 }
 
 impl<'a> Open<'a> {
@@ -131,9 +132,9 @@ impl Wall<'_> {
     fn claim(&self, beside: &Beside) -> Claim {
         let at = self.large[beside.vertex as usize];
         let foot = nearest_from(self.line, beside.foot.segment, &at);
-        let section = foot.between(&self.valley.sections, Profile::between);
-        let depth = smooth_step(section.d_mm / self.params.fade_depth_mm);
-        let edge = (1.0 - beside.foot.distance / reach_mm(section.w_mm, self.params)) / FADE_SHARE;
+        let section = foot.between(&self.valley.sections, between);
+        let depth = smooth_step(section.d / self.params.fade_depth_mm);
+        let edge = (1.0 - beside.foot.distance / reach_mm(section.w, self.params)) / FADE_SHARE;
         let mut claim = Claim {
             vertex: beside.vertex,
             hold: 0.0,
@@ -142,23 +143,23 @@ impl Wall<'_> {
             crease: self.valley.crease,
             opposite: None,
         };
-        if section.d_mm <= 0.0 {
+        if section.d <= 0.0 {
             return claim;
         }
         let side = 1f64.copysign(beside.across_mm);
-        if self.params.self_contact && beside.foot.distance < CONTACT_WIDTHS * section.w_mm {
+        if self.params.self_contact && beside.foot.distance < CONTACT_WIDTHS * section.w {
             claim.opposite = self.opposite(beside, &foot, side);
         }
         // An arc is longer than its span by no more than it goes up and down: up the wall, over the bulge (at ũ = 2) and down.
         // Most vertices are farther out than that, and need no integral.
         let bulge = (section.epsilon - 2.0).exp() / (1.0 - section.epsilon);
-        let least = beside.foot.distance - section.d_mm * (1.0 + 2.0 * bulge);
-        if foot.distance + self.params.slide * (least - foot.distance) >= section.side_mm(side) {
+        let least = beside.foot.distance - section.d * (1.0 + 2.0 * bulge);
+        if foot.distance + self.params.slide * (least - foot.distance) >= section.side(side) {
             return claim;
         }
-        let inextensible = section.distance_of_arc(beside.foot.distance, side);
+        let inextensible = distance_of_arc(&section, beside.foot.distance, side);
         let distance = foot.distance + self.params.slide * (inextensible - foot.distance);
-        let rim = distance / section.side_mm(side);
+        let rim = distance / section.side(side);
         if rim >= 1.0 {
             return claim;
         }
@@ -197,7 +198,7 @@ impl Wall<'_> {
 fn smoothed_normals(surface: &Surface, large: &[Point3<f64>], open: &[Open]) -> Vec<Vector3<f64>> {
     let mut near = vec![false; large.len()];
     for valley in open {
-        let widest = valley.sections.iter().map(|section| section.w_mm).fold(0.0, f64::max);
+        let widest = valley.sections.iter().map(|section| section.w).fold(0.0, f64::max);
         let close =
             valley.reach.iter().filter(|beside| beside.foot.distance < 2.0 * widest + 2.0 * NORMAL_RADIUS_MM);
         close.for_each(|beside| near[beside.vertex as usize] = true);

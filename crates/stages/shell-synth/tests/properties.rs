@@ -166,7 +166,7 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn a_valley_at_rest_is_found() {
     let mut scan = plate();
-    let profile = shell_synth::Profile { w_mm: 1.2, d_mm: 0.5, epsilon: 0.2, kappa: 0.0 };
+    let profile = artifact::ProfileShape { w: 1.2, d: 0.5, epsilon: 0.2, kappa: 0.0 };
     scan.positions.iter_mut().for_each(|p| p.z += profile.at(p.y - 9.0).0);
     let given = [frame(1, &[("a", valley(30, 0.0, 1.2, 0.8))])];
     let depth = |mesh: &mesh::Mesh| {

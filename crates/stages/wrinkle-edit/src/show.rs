@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::carry::lengths;
-use crate::profile::height;
 use crate::spline::Place;
 use artifact::canvas::{Canvas, Color};
 use artifact::picture::Picture;
@@ -169,7 +168,7 @@ impl Panel<'_> {
         let reach = REACH * section.w_px * (1.0 + section.kappa.abs());
         let place = |step: usize| {
             let p = reach * (2.0 * step as f64 / STEPS as f64 - 1.0);
-            Place::from(section.at) + p * across - height(section, p) * along
+            Place::from(section.at) + p * across - section.shape().at(p).0 * along
         };
         for step in 0..STEPS {
             self.line(canvas, place(step), place(step + 1), color(section));

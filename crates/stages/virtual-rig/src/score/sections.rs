@@ -187,19 +187,8 @@ fn between(sections: &[Section], foot: &Foot) -> Section {
     }
 }
 
-/// How far the bottom lies below the mean of the profile's heights at ±`rim`; the families are those of
-/// [`artifact::Profile`], of which *s* is the rounded one with ε = κ = 0.
+/// How far the bottom lies below the mean of the profile's heights at ±`rim`.
 fn rim_depth(section: &Section, rim: f64) -> f64 {
-    if section.d_px == 0.0 || section.w_px == 0.0 {
-        return 0.0;
-    }
-    let epsilon = section.epsilon;
-    let scale = section.w_px / (1.0 - epsilon * epsilon).sqrt();
-    let steepness = section.d_px / ((1.0 - epsilon) * (-epsilon).exp());
-    let height = |p: f64| {
-        let side = scale * (1.0 + section.kappa * p.signum());
-        let u = (p / side).hypot(epsilon);
-        steepness * (u - 1.0) * (-u).exp()
-    };
+    let height = |p: f64| section.shape().at(p).0;
     0.5 * (height(rim) + height(-rim)) - height(0.0)
 }
