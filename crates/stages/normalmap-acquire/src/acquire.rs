@@ -2,8 +2,11 @@
 
 use crate::error::Error;
 use crate::flow::refined;
+use crate::frame::Frame;
 use crate::light::estimated_light;
-use crate::mask::{coherence, facing, feathered, hull, inside};
+use crate::mask::{coherence, facing, feathered};
+use crate::normals::{mixed, over, tilted};
+use crate::outline::outline;
 use crate::paper::paper_normals;
 use crate::params::{Light, Mode, Params};
 use crate::parts::Part;
@@ -102,8 +105,6 @@ pub struct Report {
     pub counted_px: usize,
 }
 
-/// Skin beyond the landmarks that is looked at too, io.
-const MARGIN_IO: f64 = 0.2;
 /// Ratios above this many noise levels over 1 shine.
 const SHINE: f64 = 6.0;
 /// Differences beyond this many noise levels at fine structure are registration's fault.
@@ -144,47 +145,6 @@ fn check_sizes(neutral: &Photo, face: &Face) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// The rectangle of the neutral photograph that is worked on.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    first: [usize; 2],
-    size: [usize; 2],
-    whole: [usize; 2],
-}
-
-impl Frame {
-    fn of(neutral: &Photo, face: &Face, region: &Region) -> Self {
-        let whole = [neutral.light.width, neutral.light.height];
-        if !region.masks {
-            return Self { first: [0, 0], size: whole, whole };
-        }
-        let margin = MARGIN_IO * face.io_px;
-        let bounds = |axis: usize| {
-            let places = face.pairs.iter().map(|pair| pair.from[axis]);
-            let (low, high) = places.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
-            let first = (low - margin).clamp(0.0, (whole[axis] - 1) as f64) as usize;
-            let last = (high + margin).clamp(0.0, (whole[axis] - 1) as f64) as usize;
-            (first, last + 1 - first)
-        };
-        let ((left, width), (top, height)) = (bounds(0), bounds(1));
-        Self { first: [left, top], size: [width, height], whole }
-    }
-
-    fn crop(&self, plane: &Plane) -> Plane {
-        if self.size == self.whole {
-            return plane.clone();
-        }
-        plane.cropped([self.first[0], self.first[1], self.size[0], self.size[1]])
-    }
-
-    fn restore(&self, plane: &Plane, value: f64) -> Plane {
-        if self.size == self.whole {
-            return plane.clone();
-        }
-        plane.framed(self.first, self.whole, value)
-    }
 }
 
 /// What has been worked out so far, over the frame.
@@ -383,35 +343,6 @@ impl Work {
     }
 }
 
-/// Where skin lies: within the landmarks, without the parts that are none.
-fn outline(face: &Face, frame: &Frame, region: &Region) -> Plane {
-    let [width, height] = frame.size;
-    let places: Vec<[f64; 2]> = face.pairs.iter().map(|pair| pair.from).collect();
-    let mut outline = inside(&hull(&places), frame.first, width, height);
-    if !region.masks {
-        return outline;
-    }
-    let place = |id: &String| face.pairs.iter().find(|pair| pair.id == *id).map(|pair| pair.from);
-    for (ids, out) in &face.parts {
-        let line: Vec<[f64; 2]> = ids.iter().filter_map(place).collect();
-        let center =
-            [0, 1].map(|axis| line.iter().map(|at| at[axis]).sum::<f64>() / line.len().max(1) as f64);
-        let pushed: Vec<[f64; 2]> = line.iter().map(|at| outwards(*at, center, out * face.io_px)).collect();
-        if pushed.len() > 2 {
-            let part = inside(&hull(&pushed), frame.first, width, height);
-            outline = outline.with(&part, |outline, part| outline * (1.0 - part));
-        }
-    }
-    outline
-}
-
-/// A place further from a centre.
-fn outwards(at: [f64; 2], center: [f64; 2], by: f64) -> [f64; 2] {
-    let away = [at[0] - center[0], at[1] - center[1]];
-    let length = away[0].hypot(away[1]).max(1e-9);
-    [0, 1].map(|axis| at[axis] + by * away[axis] / length)
-}
-
 fn count(plane: &Plane) -> usize {
     plane.values.iter().filter(|value| **value > 0.0).count()
 }
@@ -428,53 +359,4 @@ fn doubts([here, there, covered, folds]: [&Plane; 4]) -> Plane {
         };
     }
     doubt
-}
-
-/// Normals laid into a larger picture.
-fn over(ground: &Plane, part: &Plane, [left, top]: [usize; 2]) -> Plane {
-    let mut whole = ground.clone();
-    for (row, line) in part.values.chunks(part.width).enumerate() {
-        let first = (top + row) * whole.width + left;
-        whole.values[first..first + part.width].copy_from_slice(line);
-    }
-    whole
-}
-
-/// Unit normals of slopes (x right, y down), laid over the neutral ones.
-fn tilted([x, y]: &[Plane; 2], neutral: Option<&[Plane; 3]>) -> [Plane; 3] {
-    let ground = |axis: usize, at: usize| match neutral {
-        // The neutral skin's own slopes are added.
-        Some(neutral) => neutral[axis].values[at] / neutral[2].values[at].max(0.05),
-        None => 0.0,
-    };
-    let place = |column: usize, row: usize| row * x.width + column;
-    let tilt_x =
-        Plane::from_fn(x.width, x.height, |column, row| ground(0, place(column, row)) - x.at(column, row));
-    let tilt_y =
-        Plane::from_fn(x.width, x.height, |column, row| ground(1, place(column, row)) + y.at(column, row));
-    let z = tilt_x.with(&tilt_y, |x, y| 1.0 / (1.0 + x * x + y * y).sqrt());
-    [tilt_x.with(&z, |x, z| x * z), tilt_y.with(&z, |y, z| y * z), z]
-}
-
-/// Normals between the neutral ones and the found ones, by weight.
-fn mixed(found: &[Plane; 3], neutral: Option<&[Plane; 3]>, weight: &Plane) -> [Plane; 3] {
-    let mut out = [0, 1, 2].map(|axis| found[axis].clone());
-    for at in 0..weight.values.len() {
-        let share = weight.values[at];
-        if share >= 1.0 {
-            continue;
-        }
-        let ground =
-            neutral.map_or([0.0, 0.0, 1.0], |neutral| [0, 1, 2].map(|axis| neutral[axis].values[at]));
-        let ground = unit(ground);
-        let sum = [0, 1, 2].map(|axis| ground[axis] + share * (out[axis].values[at] - ground[axis]));
-        let normal = if share > 0.0 { unit(sum) } else { ground };
-        (0..3).for_each(|axis| out[axis].values[at] = normal[axis]);
-    }
-    out
-}
-
-fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
-    vector.map(|x| x / length)
 }
