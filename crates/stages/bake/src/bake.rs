@@ -58,9 +58,7 @@ pub fn bake(
     step: impl Fn() + Sync,
 ) -> Result<(Vec<Tile>, Report), Error> {
     params.check()?;
-    let mut numbers = low.tiles.clone();
-    numbers.sort_unstable();
-    numbers.dedup();
+    let numbers = low.tile_numbers();
     let mut report = Report { displacement_mm: [f64::INFINITY, f64::NEG_INFINITY], ..Report::default() };
     let tiles: Vec<Tile> = numbers
         .iter()
@@ -80,10 +78,7 @@ pub fn bake(
 /// How often [`bake`] says that it got on.
 #[must_use]
 pub fn steps(low: &Low, params: &Params) -> usize {
-    let mut numbers = low.tiles.clone();
-    numbers.sort_unstable();
-    numbers.dedup();
-    numbers.len() * params.size.div_ceil(BAND)
+    low.tile_numbers().len() * params.size.div_ceil(BAND)
 }
 
 /// One tile being baked.

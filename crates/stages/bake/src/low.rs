@@ -62,6 +62,14 @@ impl Low {
         }
         Ok(Self { triangles, tiles })
     }
+
+    /// The tiles that there are, rising.
+    pub(crate) fn tile_numbers(&self) -> Vec<u32> {
+        let mut numbers = self.tiles.clone();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
 }
 
 /// A triangle of a polygon's fan.
