@@ -4,7 +4,33 @@ use crate::Run;
 use anyhow::bail;
 use artifact::{MarkerFrame, MarkerHeader, MeshRef, Stream, Take, TakeRef, Trajectories, Unit};
 use mesh::Mesh;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Options of a stage that works on one mesh: its file, and who says its unit.
+#[derive(Debug, Clone, clap::Args)]
+pub struct MeshOptions {
+    /// The mesh (.obj, .ply)
+    #[arg(long, value_name = "FILE")]
+    pub mesh: PathBuf,
+    /// Unit of the mesh's coordinates
+    #[arg(long, value_name = "mm|cm|m")]
+    pub unit: Option<Unit>,
+    /// Take manifest; says the mesh's unit too
+    #[arg(long, value_name = "FILE")]
+    pub take: Option<PathBuf>,
+}
+
+impl MeshOptions {
+    /// Reads the mesh, in millimetres, and what refers to it.
+    ///
+    /// # Errors
+    /// As [`Run::mesh`].
+    pub fn read(&self, run: &mut Run) -> anyhow::Result<(Mesh, MeshRef)> {
+        let take = self.take.as_deref().map(|path| load_take(run, path)).transpose()?;
+        let by_take = take.map(|(take, _)| take.mesh_unit);
+        run.mesh("mesh", &self.mesh, &[("--unit", self.unit), ("the take manifest", by_take)])
+    }
+}
 
 impl Run {
     /// Reads a mesh, in millimetres, and what refers to it. `stated` are the units that were stated for it and by

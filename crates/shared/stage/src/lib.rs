@@ -32,7 +32,7 @@ mod run;
 mod shell;
 
 pub use footage::{CameraImages, Footage, ImageSource, check_take};
-pub use inputs::{load_take, resolve_unit};
+pub use inputs::{MeshOptions, load_take, resolve_unit};
 pub use progress::Progress;
 pub use run::Run;
 pub use shell::{Arguments, Common, run};

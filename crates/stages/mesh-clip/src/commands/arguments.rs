@@ -1,6 +1,5 @@
 //! What the user may say.
 
-use artifact::Unit;
 use clap::{ArgGroup, Parser};
 use mesh_clip::Region;
 use std::path::PathBuf;
@@ -14,15 +13,8 @@ use std::path::PathBuf;
 #[command(version, override_usage = "mesh-clip --mesh FILE --unit UNIT --out FILE --map FILE <WHAT GOES>…",
           group = ArgGroup::new("what").required(true).multiple(true))]
 pub(crate) struct Arguments {
-    /// The mesh (.obj, .ply)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) mesh: PathBuf,
-    /// Unit of the mesh's coordinates: mm, cm or m
-    #[arg(long)]
-    pub(crate) unit: Option<Unit>,
-    /// Take manifest that says the mesh's unit
-    #[arg(long, value_name = "FILE")]
-    pub(crate) take: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) scan: stage::MeshOptions,
     /// Where to write what is left, in the same unit
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,

@@ -12,16 +12,13 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let params = parameters(&arguments);
     let cut = arguments.cut.iter().map(|cut| cut.0.clone()).collect();
     run.parameters(&Recorded { params: &params, cut })?;
-    let take = arguments.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
-    let by_take = take.map(|(take, _)| take.mesh_unit);
-    let stated = [("--unit", arguments.unit), ("the take", by_take)];
-    let (mesh, old) = run.mesh("mesh", &arguments.mesh, &stated)?;
+    let (mesh, old) = arguments.scan.read(run)?;
     let keep = sets(run, "keep", &arguments.keep, &old)?;
     let remove = sets(run, "remove", &arguments.remove, &old)?;
     let cuts = cuts(run, &arguments, &old)?;
     let mask = arguments.uv_mask.as_deref().map(|path| mask(run, path)).transpose()?;
     let picks = Picks { keep: slices(&keep), remove: slices(&remove), cuts: slices(&cuts), mask };
-    let clipped = clip(&mesh, &picks, &params).with_context(|| arguments.mesh.display().to_string())?;
+    let clipped = clip(&mesh, &picks, &params).with_context(|| arguments.scan.mesh.display().to_string())?;
     report(run, &mesh, &clipped, !cuts.is_empty());
     publish(run, &arguments, old, clipped)
 }

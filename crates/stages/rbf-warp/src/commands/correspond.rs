@@ -11,16 +11,9 @@ use std::path::{Path, PathBuf};
 /// Snap picked points to the scan's vertices
 #[derive(clap::Args)]
 pub(crate) struct Correspond {
-    /// The scan that was picked on
-    #[arg(long, value_name = "FILE")]
-    mesh: PathBuf,
-    /// Unit of the scan's and the picks' coordinates
-    #[arg(long, value_name = "mm|cm|m")]
-    unit: Option<Unit>,
-    /// Take manifest; says the scan's unit too
-    #[arg(long, value_name = "FILE")]
-    take: Option<PathBuf>,
-    /// Picked points: .pp (MeshLab) or .csv (marker,vertex or marker,x,y,z)
+    #[command(flatten)]
+    scan: stage::MeshOptions,
+    /// Points picked on the mesh, in its unit: .pp (MeshLab) or .csv (marker,vertex or marker,x,y,z)
     #[arg(long, value_name = "FILE")]
     picks: PathBuf,
     /// Correspondence to write
@@ -40,16 +33,13 @@ struct Parameters {
 impl Correspond {
     pub(crate) fn run(self, run: &mut Run) -> anyhow::Result<()> {
         run.subcommand("correspond");
-        let take = self.take.as_deref().map(|take| stage::load_take(run, take)).transpose()?;
-        let take_unit = take.map(|(take, _)| take.mesh_unit);
-        let (mesh, reference) =
-            run.mesh("mesh", &self.mesh, &[("--unit", self.unit), ("the take manifest", take_unit)])?;
+        let (mesh, reference) = self.scan.read(run)?;
         run.parameters(&Parameters { unit: reference.unit, max_distance_mm: self.max_distance_mm })?;
         let picks = read_picks(&self.picks, reference.unit)?;
         run.input("picks", &self.picks)?;
         let Snapped { correspondence, distances_mm } =
             correspond(&picks, &mesh.positions, reference, self.max_distance_mm).with_context(|| {
-                format!("{}: cannot be snapped to {}", self.picks.display(), self.mesh.display())
+                format!("{}: cannot be snapped to {}", self.picks.display(), self.scan.mesh.display())
             })?;
         run.result("pairs", correspondence.pairs.len());
         run.result("largest_distance_mm", distances_mm.iter().copied().fold(0.0, f64::max));

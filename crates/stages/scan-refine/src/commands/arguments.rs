@@ -1,6 +1,5 @@
 //! What the user may say.
 
-use artifact::Unit;
 use clap::{ArgGroup, Parser};
 use scan_refine::Params;
 use std::path::PathBuf;
@@ -13,15 +12,8 @@ use std::path::PathBuf;
 #[command(version, override_usage = "scan-refine --mesh FILE --unit UNIT --out FILE <NORMALS>…",
           group = ArgGroup::new("measured").required(true))]
 pub(crate) struct Arguments {
-    /// The scan (.obj, .ply)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) mesh: PathBuf,
-    /// Unit of the scan's coordinates: mm, cm or m
-    #[arg(long)]
-    pub(crate) unit: Option<Unit>,
-    /// Take manifest that says the scan's unit
-    #[arg(long, value_name = "FILE")]
-    pub(crate) take: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) scan: stage::MeshOptions,
     /// Where to write the refined scan, in the same unit
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,

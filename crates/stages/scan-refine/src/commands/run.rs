@@ -13,15 +13,12 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let params = parameters(&arguments);
     params.check()?;
     run.parameters(&params)?;
-    let take = arguments.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
-    let by_take = take.map(|(take, _)| take.mesh_unit);
-    let stated = [("--unit", arguments.unit), ("the take", by_take)];
-    let (mesh, reference) = run.mesh("mesh", &arguments.mesh, &stated)?;
+    let (mesh, reference) = arguments.scan.read(run)?;
     let measured = measured(run, &arguments, &mesh)?;
     run.check_outputs(&[&arguments.out])?;
     run.check_folders(&[&arguments.out])?;
     let refined = run.timed("refinement", || refine(&mesh, &measured, &params));
-    let refined = refined.with_context(|| arguments.mesh.display().to_string())?;
+    let refined = refined.with_context(|| arguments.scan.mesh.display().to_string())?;
     tell(run, &refined.report);
     let out = artifact::write_mesh(&arguments.out, &mesh.with_positions(refined.positions), reference.unit)?;
     run.publish(vec![out])

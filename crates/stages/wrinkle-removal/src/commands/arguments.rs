@@ -1,6 +1,5 @@
 //! What the user may say.
 
-use artifact::Unit;
 use clap::{ArgGroup, Parser};
 use std::path::PathBuf;
 use wrinkle_removal::{DEFAULT_REACH, Detection, Params};
@@ -13,15 +12,8 @@ use wrinkle_removal::{DEFAULT_REACH, Detection, Params};
 #[command(version, override_usage = "wrinkle-removal --mesh FILE --unit UNIT --out FILE <WHERE>…",
           group = ArgGroup::new("where").required(true).multiple(true))]
 pub(crate) struct Arguments {
-    /// The scan (.obj, .ply)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) mesh: PathBuf,
-    /// Unit of the scan's coordinates: mm, cm or m
-    #[arg(long)]
-    pub(crate) unit: Option<Unit>,
-    /// Take manifest that says the scan's unit
-    #[arg(long, value_name = "FILE")]
-    pub(crate) take: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) scan: stage::MeshOptions,
     /// Where to write the scan without wrinkles, in the same unit
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,

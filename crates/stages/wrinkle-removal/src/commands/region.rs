@@ -38,7 +38,7 @@ pub(crate) fn region(
     match (arguments.detect, told) {
         (true, within) => {
             let found = run.timed("detection", || detect(mesh, within.as_deref(), detection));
-            found.with_context(|| arguments.mesh.display().to_string())
+            found.with_context(|| arguments.scan.mesh.display().to_string())
         }
         (false, told) => told.context("no region is given"),
     }

@@ -15,17 +15,14 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let detection = detection(&arguments);
     let (reach, detect) = (arguments.reach, arguments.detect.then_some(&detection));
     run.parameters(&Recorded { removal: &params, reach, frame: arguments.frame, detect })?;
-    let take = arguments.take.as_deref().map(|path| stage::load_take(run, path)).transpose()?;
-    let by_take = take.map(|(take, _)| take.mesh_unit);
-    let stated = [("--unit", arguments.unit), ("the take", by_take)];
-    let (mesh, reference) = run.mesh("mesh", &arguments.mesh, &stated)?;
+    let (mesh, reference) = arguments.scan.read(run)?;
     let outputs: Vec<_> =
         [Some(arguments.out.as_path()), arguments.show.as_deref()].into_iter().flatten().collect();
     let weights = region(run, &arguments, &mesh, &reference, &detection)?;
     run.check_outputs(&outputs)?;
     run.check_folders(&outputs)?;
     let smoothed = run.timed("removal", || remove(&mesh, &weights, &params));
-    let smoothed = smoothed.with_context(|| arguments.mesh.display().to_string())?;
+    let smoothed = smoothed.with_context(|| arguments.scan.mesh.display().to_string())?;
     tell(run, &smoothed.report, &params);
     let mut staged = show(&arguments, &mesh, &smoothed, &weights)?;
     staged.insert(
