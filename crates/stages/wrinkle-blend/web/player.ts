@@ -59,8 +59,8 @@ class Times {
     if (this.list.length > 60) this.list.shift();
   }
 
-  median(): number {
-    return [...this.list].sort((a, b) => a - b)[this.list.length >> 1] ?? 0;
+  median(): string {
+    return [...this.list].sort((a, b) => a - b)[this.list.length >> 1]?.toFixed(1) ?? "–";
   }
 }
 
@@ -142,7 +142,7 @@ async function start() {
     if (performance.now() - shownAt < 300) return;
     shownAt = performance.now();
     const { triangles } = view.renderer.info.render;
-    panel.timing(`${intervals.median().toFixed(1)} ms a frame, ${works.median().toFixed(1)} ms of it here · ${triangles} triangles`);
+    panel.timing(`${intervals.median()} ms a frame, ${works.median()} ms of it for this page · ${triangles} triangles`);
   };
 
   follow();

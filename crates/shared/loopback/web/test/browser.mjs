@@ -4,6 +4,9 @@ import { chromium } from "playwright-core";
 
 const PLACES = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser"];
 
+/** Complaints that are kept. */
+const MOST = 10;
+
 /** Counts what goes to textures, in the page. */
 function countUploads() {
   globalThis.uploads = 0;
@@ -22,15 +25,16 @@ export async function browser() {
   if (!executablePath) throw new Error("there is no Chromium");
   const process_ = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
   const errors = [];
+  const note = (text) => errors.length < MOST && !errors.includes(text) && errors.push(text);
   const open = async (url, options = {}) => {
     const context = await process_.newContext({ viewport: { width: 1280, height: 720 }, ...options });
     const page = await context.newPage();
     page.on("console", (message) => {
-      if (["error", "warning"].includes(message.type()) && !/GPU stall due to ReadPixels|GL Driver Message/.test(message.text())) errors.push(`console: ${message.text()}`);
+      if (["error", "warning"].includes(message.type()) && !/GPU stall due to ReadPixels|GL Driver Message/.test(message.text())) note(`console: ${message.text()}`);
     });
-    page.on("pageerror", (error) => errors.push(`page: ${error.message}`));
-    page.on("requestfailed", (request) => errors.push(`request: ${request.url()}`));
-    page.on("response", (response) => response.status() >= 400 && errors.push(`${response.status()}: ${response.url()}`));
+    page.on("pageerror", (error) => note(`page: ${error.message}`));
+    page.on("requestfailed", (request) => note(`request: ${request.url()}`));
+    page.on("response", (response) => response.status() >= 400 && note(`${response.status()}: ${response.url()}`));
     await page.addInitScript(countUploads);
     await page.goto(url);
     await page.waitForSelector("body[data-ready], body[data-failed]", { state: "attached", timeout: 60_000 });

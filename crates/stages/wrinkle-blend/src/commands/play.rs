@@ -63,6 +63,9 @@ impl FromStr for GivenMix {
     }
 }
 
+/// What the page loads, by path: type and bytes.
+type Files = BTreeMap<String, (&'static str, Vec<u8>)>;
+
 /// The page, as it was built: see `web/`.
 const ASSETS: [Asset; 3] = [
     Asset {
@@ -84,6 +87,8 @@ const ASSETS: [Asset; 3] = [
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("play");
+    // Nobody waits for the maps to hear that a port is taken.
+    let server = Server::bind(arguments.port, Limits { body: 0, ..Limits::default() })?;
     let path = &arguments.model.model;
     let model = arguments.model.read(run)?;
     let references = arguments.poses.read(run, &model, path)?;
@@ -97,22 +102,17 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     tell(run, &scene, &maps);
     let files = arguments.files(run, &model, &references, &blender, (&scene, block, &maps))?;
     run.parameters(&json!({ "model": arguments.model, "poses": arguments.poses, "comparison": params }))?;
-    serve(run, arguments, files)
+    serve(run, server, arguments.no_open, files)
 }
 
-fn serve(
-    run: &mut Run,
-    arguments: &Arguments,
-    files: BTreeMap<String, (&'static str, Vec<u8>)>,
-) -> anyhow::Result<()> {
+fn serve(run: &mut Run, server: Server, no_open: bool, files: Files) -> anyhow::Result<()> {
     let files: BTreeMap<String, Response> =
         files.into_iter().map(|(name, (kind, bytes))| (name, Response::bytes(kind, bytes))).collect();
-    let server = Server::bind(arguments.port, Limits { body: 0, ..Limits::default() })?;
     let (url, stopper) = (server.url(), server.stopper());
     run.until_interrupted(move || stopper.stop());
     run.report(&url)?;
     run.say("  the page is served to this machine until you stop this with Ctrl-C");
-    if !arguments.no_open && !loopback::open_in_browser(&url) {
+    if !no_open && !loopback::open_in_browser(&url) {
         run.say("  no browser could be opened: open the address yourself");
     }
     server.run(move |request: &Request| match request.method {
@@ -164,7 +164,7 @@ impl Arguments {
         references: &References,
         blender: &Blender,
         (scene, block, maps): (&Scene, Vec<u8>, &Maps),
-    ) -> anyhow::Result<BTreeMap<String, (&'static str, Vec<u8>)>> {
+    ) -> anyhow::Result<Files> {
         let mut files = BTreeMap::new();
         let mut add = |name: &str, kind, bytes| files.insert(name.to_string(), (kind, bytes));
         let size = [maps.neutral.width, maps.neutral.height];

@@ -1,6 +1,6 @@
 // The character on the graphics card: what never changes is uploaded once, per frame only a few uniforms are set.
 import {
-  BufferAttribute, BufferGeometry, DataArrayTexture, DataTexture, DoubleSide, GLSL3, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh,
+  Box3, BufferAttribute, BufferGeometry, DataArrayTexture, DataTexture, DoubleSide, GLSL3, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh,
   NearestFilter, NoBlending, NoColorSpace, OrthographicCamera, RawShaderMaterial, RepeatWrapping, RGBAFormat, RGBAIntegerFormat, Scene, Sphere,
   Texture, UnsignedByteType, UnsignedIntType, Vector3, Vector4, WebGLRenderer, WebGLRenderTarget, type IUniform,
 } from "three";
@@ -16,6 +16,9 @@ const KINDS = { skin: 0, eye: 1, other: 2 };
 /** Linear light that skin, and what is neither skin nor eye, throws back. */
 const SKIN = new Vector3(0.52, 0.3, 0.215);
 const OTHER = new Vector3(0.42, 0.24, 0.21);
+
+/** How much more than the moving part of the face is seen at first. */
+const AROUND = 1.35;
 
 interface Drawn {
   part: Part;
@@ -83,7 +86,7 @@ export class Character {
     }
   }
 
-  /** The ball that holds the part of the face that poses move, as it stands now. */
+  /** A ball about the part of the face that poses move, with some of what is around it, as it stands now. */
   bounds(): Sphere {
     const { part, joints } = this.drawn[0];
     const [positions, ranges, influences] = [this.block.floats(part.positions), this.block.words(part.ranges), this.block.words(part.influences)];
@@ -104,7 +107,12 @@ export class Character {
       all.push(posed);
       if (isFace) points.push(posed);
     }
-    return new Sphere().setFromPoints(points.length > 2 ? points : all);
+    const whole = new Sphere().setFromPoints(all);
+    if (points.length < 3) return whole;
+    const face = new Sphere().setFromPoints(points);
+    // The brows' bones leave most of the forehead out.
+    face.center.y += 0.12 * face.radius;
+    return face.radius * AROUND < whole.radius ? new Sphere(face.center, face.radius * AROUND) : whole;
   }
 
   /** The blended map as the shader has it: red, green, blue, and 255 where the mesh lies; row 0 is the top. */
@@ -142,7 +150,7 @@ export class Character {
       side: DoubleSide,
       defines: {
         PART: KINDS[part.kind], JOINTS: part.joints.length, BONES: scene.bones.length, GROUPS: this.shares.groups,
-        POSES: scene.poses.length, SMOOTH: scene.smooth, ...(isSkin && hasColors ? { COLOR: "" } : {}),
+        POSES: scene.poses.length, SMOOTH: scene.smooth ? 1 : 0, ...(isSkin && hasColors ? { COLOR: "" } : {}),
       },
       uniforms: {
         ...this.common,
@@ -174,16 +182,18 @@ export class Character {
   }
 }
 
-/** Centre and radius of the balls left and right of the middle. */
+/** Centre and radius of a mesh's balls: of two that lie side by side, or the same one twice. */
 function eyeBalls(positions: Float32Array): Vector4[] {
   const points = Array.from({ length: positions.length / 3 }, (_, vertex) => new Vector3().fromArray(positions, 3 * vertex));
-  const middle = points.reduce((sum, point) => sum + point.x, 0) / Math.max(1, points.length);
-  return [points.filter((point) => point.x < middle), points.filter((point) => point.x >= middle)].map((side) => {
-    const least = side.reduce((low, point) => low.min(point), new Vector3(Infinity, Infinity, Infinity));
-    const most = side.reduce((high, point) => high.max(point), new Vector3(-Infinity, -Infinity, -Infinity));
-    const center = least.clone().add(most).multiplyScalar(0.5);
-    return new Vector4(center.x, center.y, center.z, Math.max(1e-9, 0.5 * (most.x - least.x)));
-  });
+  const ball = (of: Vector3[]) => {
+    const box = new Box3().setFromPoints(of);
+    const [center, size] = [box.getCenter(new Vector3()), box.getSize(new Vector3())];
+    return { size, ball: new Vector4(center.x, center.y, center.z, Math.max(1e-9, 0.5 * size.x)) };
+  };
+  const whole = ball(points);
+  if (whole.size.x < 1.6 * whole.size.y) return [whole.ball, whole.ball];
+  const middle = whole.ball.x;
+  return [points.filter((point) => point.x < middle), points.filter((point) => point.x >= middle)].map((side) => ball(side).ball);
 }
 
 /** All maps as layers of one texture: the neutral one, then one per pose. */

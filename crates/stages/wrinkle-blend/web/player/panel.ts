@@ -98,8 +98,8 @@ export class Panel {
       this.changed("look", value);
     };
     shortcuts({ w: () => wrinkles.click(), s: pick("skin"), c: pick("clay"), i: pick("influence"), r: () => this.wishes.resetView() });
-    const label = element("label", { class: "check" }, wrinkles, "Wrinkles ", element("kbd", {}, "W"));
-    return group("Show", element("div", { class: "choice" }, label), look.set);
+    const label = element("label", { class: "check", title: "Wrinkles on or off (W)" }, wrinkles, "Wrinkles");
+    return group("Show", element("div", { class: "choice" }, label, look.set));
   }
 
   private expressionGroup(): HTMLElement {
@@ -169,7 +169,7 @@ export class Panel {
     save.addEventListener("click", () => this.wishes.saveMap());
     const reset = element("button", { type: "button", title: "Look from the front (R)" }, "Reset view");
     reset.addEventListener("click", () => this.wishes.resetView());
-    const keys = element("p", {}, element("kbd", {}, "0"), "–", element("kbd", {}, "6"), " expressions  ", element("kbd", {}, "S"), " ", element("kbd", {}, "C"), " ", element("kbd", {}, "I"), " look  ", element("kbd", {}, "R"), " view");
+    const keys = element("p", {}, element("kbd", {}, "W"), " wrinkles ", element("kbd", {}, "0"), "–", element("kbd", {}, "6"), " expressions ", element("kbd", {}, "S"), " ", element("kbd", {}, "C"), " ", element("kbd", {}, "I"), " look ", element("kbd", {}, "R"), " view");
     return element("footer", {}, element("div", { class: "choice" }, save, reset), this.timings, keys);
   }
 }

@@ -56,7 +56,7 @@ void main() {
       rows[row] += weight * joints[3 * int(influence.x) + row];
     }
     if (influence.z == 0xffffffffu) continue;
-    float counted = SMOOTH ? bone_counts(weight) : bone_counts_paper(weight);
+    float counted = SMOOTH == 1 ? bone_counts(weight) : bone_counts_paper(weight);
     for (int group = 0; group < GROUPS; group++) {
       sums[group] += counted * shares[int(influence.z) * GROUPS + group];
       uint of = influence.w >> uint(${WIDTH} * group);
@@ -67,7 +67,7 @@ void main() {
     rows = vec4[3](vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0), vec4(0.0, 0.0, 1.0, 0.0));
   }
   for (int group = 0; group < GROUPS; group++) {
-    vec4 weight = SMOOTH ? sums[group] / max(vec4(1.0), counts[group]) : sums[group];
+    vec4 weight = SMOOTH == 1 ? sums[group] / max(vec4(1.0), counts[group]) : sums[group];
     // What rounding leaves at rest shows nothing.
     weights[group] = min(weight, 1.0) * step(1e-6, weight);
   }
@@ -194,10 +194,11 @@ vec3 albedo(float total) {
 #if PART == 1
   vec4 eye = distance(bound, eyes[0].xyz) < distance(bound, eyes[1].xyz) ? eyes[0] : eyes[1];
   float off = length((bound - eye.xyz).xy) / eye.w;
-  vec3 iris = mix(vec3(0.10, 0.16, 0.17), vec3(0.22, 0.30, 0.28), smoothstep(0.2, 0.42, off));
-  vec3 seen = mix(iris, vec3(0.72, 0.68, 0.65), smoothstep(0.46, 0.52, off));
-  seen = mix(vec3(0.008), seen, smoothstep(0.19, 0.22, off));
-  return bound.z > eye.z ? seen : vec3(0.72, 0.68, 0.65);
+  vec3 iris = mix(vec3(0.10, 0.16, 0.17), vec3(0.22, 0.30, 0.28), smoothstep(0.18, 0.38, off));
+  vec3 white = mix(vec3(0.5, 0.46, 0.44), vec3(0.33, 0.25, 0.23), smoothstep(0.5, 0.95, off));
+  vec3 seen = mix(iris, white, smoothstep(0.41, 0.46, off));
+  seen = mix(vec3(0.008), seen, smoothstep(0.14, 0.165, off));
+  return bound.z > eye.z ? seen : white;
 #elif PART == 2
   return plain;
 #else
