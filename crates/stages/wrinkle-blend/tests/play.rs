@@ -192,12 +192,13 @@ fn agreement(folder: &Path, number: usize) -> (f64, u8) {
     (near as f64 / under as f64, worst)
 }
 
-fn in_browser(extra: &[&str]) {
+/// `how` poses are compared, and what only the page wears.
+fn in_browser(how: &[&str], worn: &[&str]) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/player.mjs");
     let Some(mut node) = testkit::node(&script, true) else { return };
     let folder = folder();
     let at = folder.path();
-    let playing = play(at, extra);
+    let playing = play(at, &[how, worn].concat());
     let states: Vec<Value> = (0..=3 * STEPS)
         .map(|step| serde_json::json!({ "poses": [0, 0, 0], "clip": "poses", "frame": 30.0 * step as f64 / STEPS as f64 }))
         .collect();
@@ -207,7 +208,7 @@ fn in_browser(extra: &[&str]) {
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     check_page(&found);
     let rate = STEPS.to_string();
-    done(at, &[&["weights", "--rate", &rate, "--out", "w.jsonl"], &MODEL[..], extra].concat());
+    done(at, &[&["weights", "--rate", &rate, "--out", "w.jsonl"], &MODEL[..], how].concat());
     done(
         at,
         &[&["maps", "--model", "head.glb", "--weights", "w.jsonl", "--out", "maps"], &MAPS[..]].concat(),
@@ -262,10 +263,10 @@ fn check_shares(at: &Path) {
 
 #[test]
 fn the_browser_draws_the_reference() {
-    in_browser(&[]);
+    in_browser(&[], &[]);
 }
 
 #[test]
 fn the_browser_shares_out_and_masks_as_the_reference_does() {
-    in_browser(&["--dual", "--mask", "paper", "--probe", "skin"]);
+    in_browser(&["--dual", "--mask", "paper"], &["--color", "up.png"]);
 }

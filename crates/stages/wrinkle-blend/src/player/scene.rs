@@ -117,30 +117,13 @@ pub fn scene(
     blender: &Blender,
     wish: Wish<'_>,
 ) -> Result<(Scene, Vec<u8>), Error> {
-    let character = setting.character;
-    let mesh = &character.meshes[setting.mesh];
-    if mesh.uvs.is_empty() {
-        return Err(Error::NoUvs { mesh: mesh.name.clone() });
-    }
-    if poses.len() > MAX_POSES {
-        return Err(Error::ManyPoses { count: poses.len(), most: MAX_POSES });
-    }
+    check(setting, poses)?;
+    let nodes = &setting.character.nodes;
     let mut block = Block::default();
-    let watched = watched(blender, character.nodes.len());
-    let others = (0..character.meshes.len()).filter(|other| *other != setting.mesh);
-    let parts = std::iter::once(setting.mesh)
-        .chain(others)
-        .map(|number| {
-            part(&character.meshes[number], &character.nodes, &watched, number == setting.mesh, &mut block)
-        })
-        .collect();
     let scene = Scene {
         mm_per_unit: setting.mm_per_unit,
-        nodes: character
-            .nodes
-            .iter()
-            .map(|node| SceneNode { name: node.name.clone(), parent: node.parent })
-            .collect(),
+        parts: parts(setting, blender, &mut block),
+        nodes: nodes.iter().map(|node| SceneNode { name: node.name.clone(), parent: node.parent }).collect(),
         neutral: placements(setting.neutral, &mut block),
         head: blender.head(),
         bones: bones(blender),
@@ -152,14 +135,34 @@ pub fn scene(
         dual: wish.params.dual,
         smooth: wish.params.mask == Mask::Smooth,
         expressions: all(blender.poses(), wish.expressions),
-        clips: character
-            .animations
-            .iter()
-            .map(|animation| clip(&character.nodes, animation, &mut block))
-            .collect(),
-        parts,
+        clips: setting.character.animations.iter().map(|clip| self::clip(nodes, clip, &mut block)).collect(),
     };
     Ok((scene, block.0))
+}
+
+fn check(setting: Setting<'_>, poses: &[NamedPose]) -> Result<(), Error> {
+    let mesh = &setting.character.meshes[setting.mesh];
+    if mesh.uvs.is_empty() {
+        return Err(Error::NoUvs { mesh: mesh.name.clone() });
+    }
+    match poses.len() > MAX_POSES {
+        true => Err(Error::ManyPoses { count: poses.len(), most: MAX_POSES }),
+        false => Ok(()),
+    }
+}
+
+/// The meshes, first the one that wears the wrinkles.
+fn parts(setting: Setting<'_>, blender: &Blender, block: &mut Block) -> Vec<Part> {
+    let character = setting.character;
+    let watched = watched(blender, character.nodes.len());
+    let others = (0..character.meshes.len()).filter(|other| *other != setting.mesh);
+    let numbers = std::iter::once(setting.mesh).chain(others);
+    numbers
+        .map(|number| {
+            let mesh = &character.meshes[number];
+            part(mesh, &character.nodes, &watched, number == setting.mesh, block)
+        })
+        .collect()
 }
 
 fn scene_poses(poses: &[NamedPose], blender: &Blender, block: &mut Block) -> Vec<ScenePose> {

@@ -4395,10 +4395,10 @@ vec3 albedo(float total) {
 #if PART == 1
   vec4 eye = distance(bound, eyes[0].xyz) < distance(bound, eyes[1].xyz) ? eyes[0] : eyes[1];
   float off = length((bound - eye.xyz).xy) / eye.w;
-  vec3 iris = mix(vec3(0.10, 0.16, 0.17), vec3(0.22, 0.30, 0.28), smoothstep(0.18, 0.38, off));
+  vec3 iris = mix(vec3(0.10, 0.16, 0.17), vec3(0.22, 0.30, 0.28), smoothstep(0.16, 0.36, off));
   vec3 white = mix(vec3(0.5, 0.46, 0.44), vec3(0.33, 0.25, 0.23), smoothstep(0.5, 0.95, off));
-  vec3 seen = mix(iris, white, smoothstep(0.41, 0.46, off));
-  seen = mix(vec3(0.008), seen, smoothstep(0.14, 0.165, off));
+  vec3 seen = mix(iris, white, smoothstep(0.385, 0.43, off));
+  seen = mix(vec3(0.008), seen, smoothstep(0.13, 0.155, off));
   return bound.z > eye.z ? seen : white;
 #elif PART == 2
   return plain;
