@@ -60,7 +60,7 @@ class Times {
   }
 
   median(): string {
-    return [...this.list].sort((a, b) => a - b)[this.list.length >> 1]?.toFixed(1) ?? "–";
+    return [...this.list].sort((a, b) => a - b)[this.list.length >> 1].toFixed(1);
   }
 }
 
@@ -136,9 +136,10 @@ async function start() {
   const [intervals, works] = [new Times(), new Times()];
   let shownAt = 0;
   view.after = (interval, work) => {
+    // After a pause there is no frame before, and the first one carries all uploads.
+    if (interval > 500) return;
+    intervals.add(interval);
     works.add(work);
-    // Pauses are no frames.
-    if (interval < 500) intervals.add(interval);
     if (performance.now() - shownAt < 300) return;
     shownAt = performance.now();
     const { triangles } = view.renderer.info.render;
