@@ -53,9 +53,9 @@ impl FromStr for GivenMix {
         let part = |part: &str| {
             let (pose, share) = part.rsplit_once(':').unwrap_or((part, "1"));
             let share: f64 = share.trim().parse().map_err(|_| format!("'{share}' is no share"))?;
-            match (0.0..=2.0).contains(&share) {
+            match (0.0..=1.0).contains(&share) {
                 true => Ok((pose.trim().to_string(), share)),
-                false => Err(format!("{share} is no share from 0 to 2")),
+                false => Err(format!("{share} is no share from 0 to 1")),
             }
         };
         let parts = parts.split('+').map(part).collect::<Result<_, _>>()?;
