@@ -244,6 +244,7 @@ const CALLS: &[(&str, &[&str])] = &[
         "wrinkle-blend",
         &["show", "--model", "missing-input.glb", "--poses", DOCUMENT, "--frame", "1", "--out", "out.ply"],
     ),
+    ("wrinkle-blend", &["play", "--no-open", "--model", "missing-input.glb", "--poses", DOCUMENT]),
     // `house new-stage` adds here
 ];
 
