@@ -10,7 +10,7 @@ use crate::source::read_bytes;
 use crate::{Error, Result, Sink, Staged};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat};
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// A grey picture; row 0 is the top.
@@ -222,6 +222,17 @@ pub fn write_rgb8(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Resul
     write_png(path, width, height, ExtendedColorType::Rgb8, rgb)
 }
 
+/// The same as bytes, for whoever sends pictures instead of keeping them; `name` is for messages.
+///
+/// # Errors
+/// If the size is none or does not fit the values.
+pub fn png_rgb8(name: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<Vec<u8>> {
+    check_size(name, width, height, rgb.len(), 3)?;
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, name, width, height, ExtendedColorType::Rgb8, rgb)?;
+    Ok(bytes)
+}
+
 /// Writes a PNG of 16 bits; otherwise like [`write_rgb8`].
 ///
 /// # Errors
@@ -262,11 +273,22 @@ fn write_png(
     bytes: &[u8],
 ) -> Result<Staged> {
     let mut sink = Sink::create(path)?;
-    PngEncoder::new_with_quality(&mut sink, CompressionType::Fast, FilterType::Adaptive)
+    encode_png(&mut sink, path, width, height, color, bytes)?;
+    sink.finish()
+}
+
+fn encode_png(
+    to: &mut impl Write,
+    path: &Path,
+    width: usize,
+    height: usize,
+    color: ExtendedColorType,
+    bytes: &[u8],
+) -> Result<()> {
+    PngEncoder::new_with_quality(to, CompressionType::Fast, FilterType::Adaptive)
         .write_image(bytes, width as u32, height as u32, color)
         .map_err(|error| match error {
             image::ImageError::IoError(cause) => Error::io(path, "write", &cause),
             other => Error::new(path, format!("cannot be written as PNG: {other}")),
-        })?;
-    sink.finish()
+        })
 }

@@ -202,6 +202,11 @@ impl Run {
         self.objection = Some(why.into());
     }
 
+    /// Lets the user's Ctrl-C end the work through `end`, for work that goes on until then; a second one ends the process.
+    pub fn until_interrupted(&self, end: impl FnOnce() + Send + 'static) {
+        crate::shell::end_with(end);
+    }
+
     /// Whether the summary is asked for as JSON on standard output, so that nothing else may stand there.
     #[must_use]
     pub fn is_json(&self) -> bool {

@@ -4,6 +4,7 @@ use crate::Run;
 use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::Mutex;
 
 /// Options that every binary has.
 #[derive(Debug, Clone, clap::Args)]
@@ -65,10 +66,23 @@ fn in_pool(threads: Option<u16>, work: impl FnOnce() -> anyhow::Result<()> + Sen
     rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK_BYTES).build()?.install(work)
 }
 
+/// What ends the work, where stopping it is how it is meant to end.
+static ENDING: Mutex<Option<Box<dyn FnOnce() + Send>>> = Mutex::new(None);
+
+/// Sets what Ctrl-C does, once; the next one ends the process as ever.
+pub(crate) fn end_with(end: impl FnOnce() + Send + 'static) {
+    if let Ok(mut ending) = ENDING.lock() {
+        *ending = Some(Box::new(end));
+    }
+}
+
 /// On Ctrl-C or a request to terminate: no temporary file stays, and the exit code says so.
 #[allow(clippy::disallowed_methods, reason = "this is where an interrupted process ends")]
 fn on_interrupt(name: String) {
     let stop = move || {
+        if let Some(end) = ENDING.lock().ok().and_then(|mut end| end.take()) {
+            return end();
+        }
         artifact::discard_unfinished();
         // Where even standard error is closed, the exit code remains.
         let _ = writeln!(
