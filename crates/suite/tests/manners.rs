@@ -244,7 +244,7 @@ const CALLS: &[(&str, &[&str])] = &[
         "wrinkle-blend",
         &["show", "--model", "missing-input.glb", "--poses", DOCUMENT, "--frame", "1", "--out", "out.ply"],
     ),
-    ("workbench", &["--mesh", MESH, "--unit", "mm", "--out", "out.obj"]),
+    ("workbench", &["missing-input", "--no-open"]),
     // `house new-stage` adds here
 ];
 

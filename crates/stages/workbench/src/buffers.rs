@@ -27,7 +27,11 @@ pub fn encode(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<u8>,
 /// A coarse likeness of a mesh, to look at while it turns: vertices of one cell of a grid become one, at their mean
 /// [RossignacBorrel1993]. Its vertices are none of the mesh's. `cell_mm`: edge of a cell.
 #[must_use]
-pub fn coarse(points: &[Point3<f64>], triangles: &[[u32; 3]], cell_mm: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+pub fn coarse(
+    points: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    cell_mm: f64,
+) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
     let (mut sums, mut counts): (Vec<Vector3<f64>>, Vec<f64>) = Default::default();
     let cell_of: Vec<u32> = points
@@ -65,7 +69,9 @@ mod tests {
     fn sheet(side: u32) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
         let at = |index: u32| Point3::new(f64::from(index % side) + 0.5, f64::from(index / side) + 0.5, 0.5);
         let quads = (0..side - 1).flat_map(|row| (0..side - 1).map(move |column| row * side + column));
-        let triangles = quads.flat_map(|first| [[first, first + 1, first + side], [first + 1, first + side + 1, first + side]]);
+        let triangles = quads.flat_map(|first| {
+            [[first, first + 1, first + side], [first + 1, first + side + 1, first + side]]
+        });
         ((0..side * side).map(at).collect(), triangles.collect())
     }
 

@@ -123,7 +123,16 @@ mod tests {
 
     #[test]
     fn ids_lead_to_documents_and_back() {
-        for id in ["labels", "picks", "names", "edits", "paint/w1", "landmarks/neutral", "mask/brow.soft", "region/neck"] {
+        for id in [
+            "labels",
+            "picks",
+            "names",
+            "edits",
+            "paint/w1",
+            "landmarks/neutral",
+            "mask/brow.soft",
+            "region/neck",
+        ] {
             let document = Document::of(id).unwrap();
             assert_eq!(document.id(), id);
             assert!(document.draft().ends_with(&document.path()) && document.previous() != document.draft());
@@ -132,7 +141,17 @@ mod tests {
 
     #[test]
     fn names_stay_in_the_folder() {
-        for id in ["", "paint", "paint/", "paint/..", "paint/../labels", "paint/.hidden", "paint/a\\b", "paint/a b", "other/x"] {
+        for id in [
+            "",
+            "paint",
+            "paint/",
+            "paint/..",
+            "paint/../labels",
+            "paint/.hidden",
+            "paint/a\\b",
+            "paint/a b",
+            "other/x",
+        ] {
             assert_eq!(Document::of(id), None, "{id}");
         }
     }

@@ -21,6 +21,9 @@ pub struct Hint {
     pub off_px: Option<f64>,
 }
 
+/// A camera's id, the camera, and where it sees a marker, px.
+type Seen<'a> = (&'a String, &'a Camera, Vector2<f64>);
+
 /// Distances along a ray at which its line is drawn: from this share of the way to the middle of the cameras' views to that one.
 const NEAR: f64 = 0.3;
 const FAR: f64 = 3.0;
@@ -38,7 +41,7 @@ pub fn hints(
 ) -> Result<BTreeMap<String, Hint>, Error> {
     let to = rig.get(camera).ok_or_else(|| Error::NoCamera { camera: camera.to_string() })?;
     let depth_mm = distance_of_subject(rig);
-    let mut views: BTreeMap<&String, Vec<(&String, &Camera, Vector2<f64>)>> = BTreeMap::new();
+    let mut views: BTreeMap<&String, Vec<Seen<'_>>> = BTreeMap::new();
     for (other, dots) in labels.iter().filter(|(other, _)| *other != camera) {
         let Some(from) = rig.get(other) else { continue };
         for (marker, at) in dots {
@@ -46,8 +49,9 @@ pub fn hints(
         }
     }
     let here = labels.get(camera);
-    let hint = |(marker, views): (&String, Vec<(&String, &Camera, Vector2<f64>)>)| {
-        let line = |(other, from, at): &(&String, &Camera, _)| ((*other).clone(), line(from, *at, to, depth_mm));
+    let hint = |(marker, views): (&String, Vec<Seen<'_>>)| {
+        let line =
+            |(other, from, at): &(&String, &Camera, _)| ((*other).clone(), line(from, *at, to, depth_mm));
         let lines: BTreeMap<_, _> = views.iter().map(line).collect();
         let point = Camera::nearest_to_rays(views.iter().map(|(_, from, at)| (*from, *at)));
         let at = point.and_then(|point| to.project(&point)).map(|at| [at.x, at.y]);
@@ -65,7 +69,10 @@ pub fn hints(
 fn distance_of_subject(rig: &BTreeMap<String, Camera>) -> f64 {
     let axis = |camera: &Camera| {
         let [width, height] = camera.image_size.map(f64::from);
-        Some((camera.eye_in_world(), camera.ray_in_world(Vector2::new(0.5 * width - 0.5, 0.5 * height - 0.5))?))
+        Some((
+            camera.eye_in_world(),
+            camera.ray_in_world(Vector2::new(0.5 * width - 0.5, 0.5 * height - 0.5))?,
+        ))
     };
     let middle = camera::nearest_to_lines(rig.values().filter_map(axis));
     let distance = |middle: Point3<f64>| {
@@ -83,7 +90,9 @@ fn line(from: &Camera, at: Vector2<f64>, to: &Camera, depth_mm: f64) -> Vec<Vec<
     for step in 0..=STEPS {
         let share = NEAR * (FAR / NEAR).powf(f64::from(step) / f64::from(STEPS));
         match to.project(&(eye + ray.into_inner() * (share * depth_mm))).filter(|seen| to.contains(*seen)) {
-            Some(seen) => pieces.iter_mut().next_back().into_iter().for_each(|piece| piece.push([seen.x, seen.y])),
+            Some(seen) => {
+                pieces.iter_mut().next_back().into_iter().for_each(|piece| piece.push([seen.x, seen.y]))
+            }
             None => pieces.push(Vec::new()),
         }
     }
@@ -100,7 +109,8 @@ fn distance_to(line: &[[f64; 2]], point: [f64; 2]) -> Option<f64> {
     let point = Vector2::from(point);
     let to_piece = |ends: &[[f64; 2]]| {
         let (start, along) = (Vector2::from(ends[0]), Vector2::from(ends[1]) - Vector2::from(ends[0]));
-        let share = ((point - start).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let share =
+            ((point - start).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         (point - start - along * share).norm()
     };
     line.windows(2).map(to_piece).min_by(f64::total_cmp)

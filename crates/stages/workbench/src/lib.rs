@@ -23,4 +23,4 @@ mod page;
 pub use claim::{Claim, Standing};
 pub use document::{Document, Form};
 pub use error::Error;
-pub use page::{CAMERAS, IMAGES, Need, Page, Place, SCAN, pages};
+pub use page::{CAMERAS, HEAD, IMAGES, Need, Page, Place, SCAN, pages};

@@ -1,10 +1,10 @@
 //! The binary of `workbench`: arguments → pages, until it is stopped.
 
-mod site;
+mod commands;
 
 use clap::Parser;
+use commands::Bench;
 use loopback::{Limits, Server};
-use site::Bench;
 use stage::Run;
 use std::path::PathBuf;
 use std::process::ExitCode;

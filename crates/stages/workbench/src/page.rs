@@ -60,14 +60,20 @@ impl Need {
 pub const CAMERAS: &[(Place, &str)] = &[(Place::Take, "cameras.json"), (Place::Run, "capture/cameras.json")];
 /// The scan.
 pub const SCAN: &[(Place, &str)] = &[(Place::Take, "scan.obj"), (Place::Take, "scan.ply")];
+/// The markers in 3D, in the space of the head.
+pub const HEAD: &[(Place, &str)] = &[(Place::Run, "capture/head.jsonl")];
 /// The images by frame; their time base stands beside them.
 pub const IMAGES: &[(Place, &str)] = &[(Place::Run, "capture/sync/frames.json")];
 
 const TAKE: &str = "just take TAKE";
 const NEED_IMAGES: Need = need(IMAGES, "the images by frame", TAKE);
-const NEED_SCAN: Need = need(SCAN, "the face at rest, mouth and eyes cut open", "your scanner, then mesh-clip");
-const NEED_PHOTOGRAPHS: Need =
-    need(&[(Place::Take, "photographs")], "photographs of the face, at rest and with an expression", "your camera");
+const NEED_SCAN: Need =
+    need(SCAN, "the face at rest, mouth and eyes cut open", "your scanner, then mesh-clip");
+const NEED_PHOTOGRAPHS: Need = need(
+    &[(Place::Take, "photographs")],
+    "photographs of the face, at rest and with an expression",
+    "your camera",
+);
 
 const PAGES: [Page; 6] = [
     Page {
@@ -76,7 +82,12 @@ const PAGES: [Page; 6] = [
         does: "Say which dot is which marker, in one frame of each camera",
         needs: &[
             NEED_IMAGES,
-            need(CAMERAS, "calibrated cameras: lines on which a marker must lie", "calibrate, or just take TAKE").optional(),
+            need(
+                CAMERAS,
+                "calibrated cameras: lines on which a marker must lie",
+                "calibrate, or just take TAKE",
+            )
+            .optional(),
         ],
         writes: "labels.json",
         next: TAKE,
@@ -88,7 +99,7 @@ const PAGES: [Page; 6] = [
         needs: &[
             NEED_SCAN,
             need(&[(Place::Take, "labels.json")], "the names of the markers", "the page Markers").optional(),
-            need(&[(Place::Run, "large-scale/head.jsonl")], "markers in 3D, to see what the warp does", TAKE).optional(),
+            need(HEAD, "markers in 3D, to see what the warp does", TAKE).optional(),
         ],
         writes: "picks.csv",
         next: TAKE,

@@ -12,7 +12,11 @@ fn rig() -> BTreeMap<String, Camera> {
         let angle = (f64::from(index) - 1.5) * 0.35;
         let eye = Point3::new(1000.0 * angle.sin(), 80.0 * f64::from(index), 1000.0 * angle.cos());
         let distortion = BrownConrady { k1: -0.18, k2: 0.06, ..BrownConrady::default() };
-        let lens = Lens { focal_px: Vector2::new(1400.0, 1405.0), center_px: Vector2::new(322.0, 250.0), distortion };
+        let lens = Lens {
+            focal_px: Vector2::new(1400.0, 1405.0),
+            center_px: Vector2::new(322.0, 250.0),
+            distortion,
+        };
         let cam_from_world = Camera::pose_looking_at(eye, Point3::origin(), Vector3::y());
         (format!("m{index}"), Camera { image_size: [656, 490], lens, cam_from_world })
     };
@@ -21,7 +25,8 @@ fn rig() -> BTreeMap<String, Camera> {
 
 fn labels(rig: &BTreeMap<String, Camera>, points: &BTreeMap<String, Point3<f64>>) -> BTreeMap<String, Dots> {
     let dots = |camera: &Camera| {
-        let seen = |(marker, point): (&String, &Point3<f64>)| Some((marker.clone(), camera.project(point)?.into()));
+        let seen =
+            |(marker, point): (&String, &Point3<f64>)| Some((marker.clone(), camera.project(point)?.into()));
         points.iter().filter_map(seen).collect()
     };
     rig.iter().map(|(id, camera)| (id.clone(), dots(camera))).collect()

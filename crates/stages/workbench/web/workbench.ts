@@ -2,11 +2,13 @@
 import { element, shortcuts, themeButton } from "pages/elements";
 import type { Desk, Tool } from "./workbench/desk";
 import { labels } from "./workbench/labels";
+import { paint } from "./workbench/paint";
+import { picks } from "./workbench/picks";
 import { type Overview, json } from "./workbench/server";
 import { Session } from "./workbench/session";
 import { needs, start, waits } from "./workbench/start";
 
-const TOOLS: Record<string, (desk: Desk) => Promise<Tool>> = { labels };
+const TOOLS: Record<string, (desk: Desk) => Promise<Tool>> = { labels, picks, paint };
 
 const byId = (id: string) => document.getElementById(id) as HTMLElement;
 

@@ -11,11 +11,11 @@ use artifact::Take;
 use documents::Documents;
 use images::Images;
 use loopback::{Asset, Method, Request, Response, Root, Site, asset};
-use programs::Programs;
+use programs::{Marked, Programs};
 use serde::Deserialize;
 use stage::{Run, Stopwatch};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use workbench::{CAMERAS, Claim, Document, Place, Standing};
 
 /// A take on the bench.
@@ -27,7 +27,11 @@ pub(crate) struct Bench {
     images: OnceLock<Images>,
     programs: Programs,
     claim: Mutex<Claim>,
+    /// What was taken for paint the last time that somebody asked.
+    learnt: Mutex<Vec<u8>>,
     clock: Stopwatch,
+    /// One file is written at a time.
+    pen: Mutex<()>,
 }
 
 /// The pages, as they were built: see `web/`.
@@ -52,6 +56,11 @@ const ASSETS: [Asset; 3] = [
 /// What was asked for, or why not.
 type Answer = Result<Response, Response>;
 
+/// What a thread that failed left behind is still whole: it is replaced at once or not at all.
+fn locked<T>(held: &Mutex<T>) -> MutexGuard<'_, T> {
+    held.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A problem of what was asked for, with all its causes.
 fn refused(error: &anyhow::Error) -> Response {
     Response::refused(422, &format!("{error:#}"))
@@ -70,7 +79,10 @@ impl Bench {
     ) -> anyhow::Result<Self> {
         let root = Root::new(take)?;
         if let Some(folder) = of_run.filter(|folder| !folder.is_dir()) {
-            bail!("{}: there is no such folder\n  to do: run just take first, or leave --run out", folder.display());
+            bail!(
+                "{}: there is no such folder\n  to do: run just take first, or leave --run out",
+                folder.display()
+            );
         }
         let manifest = root.folder().join("take.json");
         let manifest = match manifest.exists() {
@@ -88,7 +100,9 @@ impl Bench {
             images: OnceLock::new(),
             programs: Programs::new(programs)?,
             claim: Mutex::default(),
+            learnt: Mutex::default(),
             clock: Stopwatch::start(),
+            pen: Mutex::default(),
         })
     }
 
@@ -128,7 +142,14 @@ impl Bench {
             (Method::Post, "discard") => {
                 self.writing(request, rest, |document, _| self.documents.discard(&document))
             }
-            (Method::Post, "dots") => self.programs.dots(self, &request.json()?).map_err(|error| refused(&error)),
+            (Method::Post, "dots") => {
+                self.programs.dots(self, &request.json()?).map_err(|error| refused(&error))
+            }
+            (Method::Get, "learnt") => Ok(Response::bytes("image/png", locked(&self.learnt).clone())),
+            (Method::Post, "learn") => self.learn(&request.json()?),
+            (Method::Post, "warp") => {
+                self.programs.warp(self, &request.json()?).map_err(|error| refused(&error))
+            }
             (Method::Post, "hints") => self.hints(&request.json()?),
             (Method::Get, _) => Err(Response::missing()),
             _ => Err(Response::refused(405, "this cannot be written")),
@@ -143,28 +164,40 @@ impl Bench {
         write: impl FnOnce(Document, Option<&str>) -> Answer,
     ) -> Answer {
         let said = |name: &str| {
-            let words = request.query.as_deref().unwrap_or("").split('&').filter_map(|word| word.split_once('='));
+            let words =
+                request.query.as_deref().unwrap_or("").split('&').filter_map(|word| word.split_once('='));
             words.into_iter().find(|(key, _)| *key == name).map(|(_, value)| value)
         };
         let page = said("page").ok_or_else(|| Response::refused(400, "which page this is must be said"))?;
         match self.stand(page, false) {
-            Standing::Holds => write(document(id)?, said("base").filter(|base| !base.is_empty())),
-            Standing::Looks => Err(Response::refused(423, "another window works on this take; take over there first")),
+            Standing::Holds => {
+                let _alone = locked(&self.pen);
+                write(document(id)?, said("base").filter(|base| !base.is_empty()))
+            }
+            Standing::Looks => {
+                Err(Response::refused(423, "another window works on this take; take over there first"))
+            }
         }
     }
 
     fn here(&self, call: &Call) -> Response {
         if call.leaves {
-            self.claim.lock().unwrap_or_else(std::sync::PoisonError::into_inner).leave(&call.page);
+            locked(&self.claim).leave(&call.page);
             return Response::done();
         }
         Response::json(&(self.stand(&call.page, call.takes_over) == Standing::Holds))
     }
 
     fn stand(&self, page: &str, takes_over: bool) -> Standing {
-        let mut claim = self.claim.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut claim = locked(&self.claim);
         let now_s = self.clock.seconds();
         if takes_over { claim.take(page, now_s) } else { claim.hear(page, now_s) }
+    }
+
+    fn learn(&self, asked: &Marked) -> Answer {
+        let (mask, results) = self.programs.learn(self, asked).map_err(|error| refused(&error))?;
+        *locked(&self.learnt) = mask;
+        Ok(Response::json(&results))
     }
 
     /// What other cameras say of the markers in one image.

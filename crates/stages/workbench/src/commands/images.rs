@@ -60,15 +60,26 @@ impl Images {
     pub(crate) fn cameras(&self) -> Listed<'_> {
         let frames = |camera: &Camera| camera.paths.keys().copied().collect();
         let cameras = self.cameras.iter();
-        let cameras = cameras.map(|(id, camera)| Shown { id, size: camera.size, frames: frames(camera) }).collect();
+        let cameras =
+            cameras.map(|(id, camera)| Shown { id, size: camera.size, frames: frames(camera) }).collect();
         Listed { take: self.take.as_ref(), cameras }
+    }
+
+    /// Cameras.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = &String> {
+        self.cameras.keys()
+    }
+
+    /// The first frame of a camera that has an image.
+    pub(crate) fn first(&self, camera: &str) -> Option<i64> {
+        self.cameras.get(camera)?.paths.keys().next().copied()
     }
 
     /// `<camera>/<frame>`.
     pub(crate) fn image(&self, asked: &str) -> Answer {
-        let path = asked.rsplit_once('/').and_then(|(camera, frame)| {
-            self.cameras.get(camera)?.paths.get(&frame.parse::<i64>().ok()?)
-        });
+        let path = asked
+            .rsplit_once('/')
+            .and_then(|(camera, frame)| self.cameras.get(camera)?.paths.get(&frame.parse::<i64>().ok()?));
         let Some(path) = path else { return Err(Response::missing()) };
         let bytes = artifact::read_bytes(path).map_err(|error| Response::refused(422, &error.to_string()))?;
         Ok(Response::bytes("image/png", bytes))

@@ -60,13 +60,16 @@ impl Documents {
 
     /// A picture: the draft, if there is one.
     pub(crate) fn picture(&self, document: Document) -> Answer {
-        let paths = [document.draft(), document.path()].map(|path| self.folder.join(path));
-        match paths.iter().find(|path| path.exists()) {
-            Some(path) if document.form() == Form::Picture => {
-                Ok(Response::bytes("image/png", artifact::read_bytes(path).map_err(failed)?))
-            }
+        match self.latest(&document).map_err(failed)? {
+            Some(bytes) if document.form() == Form::Picture => Ok(Response::bytes("image/png", bytes)),
             _ => Err(Response::missing()),
         }
+    }
+
+    /// The bytes as they are now, saved or not; none if there are none.
+    pub(crate) fn latest(&self, document: &Document) -> artifact::Result<Option<Vec<u8>>> {
+        let paths = [document.draft(), document.path()].map(|path| self.folder.join(path));
+        paths.iter().find(|path| path.exists()).map(|path| artifact::read_bytes(path)).transpose()
     }
 
     /// Keeps what a page has so far.
@@ -82,7 +85,10 @@ impl Documents {
     pub(crate) fn save(&self, document: &Document, base: Option<&str>) -> Answer {
         let version = self.version(document)?;
         if version.as_deref() != base {
-            return Err(Response::refused(409, "the file was changed by somebody else since this page read it"));
+            return Err(Response::refused(
+                409,
+                "the file was changed by somebody else since this page read it",
+            ));
         }
         let (path, draft) = (self.folder.join(document.path()), self.folder.join(document.draft()));
         if !draft.exists() {
@@ -116,8 +122,10 @@ impl Documents {
                 copied(path, draft)
             }
             Document::Paint(_) | Document::Mask(_) => {
-                picture::read_head(draft)?;
-                copied(path, draft)
+                let new = picture::read_marked(draft)?;
+                // The same picture may be packed in many ways.
+                let is_same = path.exists() && picture::read_marked(path).is_ok_and(|old| old == new);
+                if is_same { Ok(None) } else { copied(path, draft) }
             }
             Document::Names | Document::Edits => copied(path, draft),
         }
@@ -158,7 +166,10 @@ fn base_path(draft: &Path) -> PathBuf {
     name.into()
 }
 
-fn same_or_written<T: artifact::Document + PartialEq>(path: &Path, draft: &Path) -> anyhow::Result<Option<Staged>> {
+fn same_or_written<T: artifact::Document + PartialEq>(
+    path: &Path,
+    draft: &Path,
+) -> anyhow::Result<Option<Staged>> {
     let new: T = artifact::read_document(draft)?;
     // A file that cannot be read is replaced; what it held is kept.
     let is_same = path.exists() && artifact::read_document::<T>(path).is_ok_and(|old| old == new);
