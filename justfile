@@ -6,6 +6,9 @@ python := ".venv/bin/python"
 # What links OpenCV: video files, and finding boards in pictures
 opencv := "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video"
 
+# What all pages share, and what they are built with
+pages := "crates/shared/loopback/web"
+
 # List the recipes
 default:
     @just --list --unsorted
@@ -52,7 +55,7 @@ build:
 
 # Everything that must hold before a change lands
 [group('check')]
-test: house
+test: house _pages
     cargo fmt --all --check
     @python3 tools/peers/test_board.py --quiet
     cargo clippy --workspace --all-targets --features {{ opencv }},suite/video --locked --quiet -- -D warnings
@@ -78,6 +81,12 @@ score STAGE *ARGS: (_python "peers")
 bench STAGE *ARGS: (_python "peers")
     @{{ python }} tools/peers/board.py bench "$@"
 
+# Build the pages that stages serve; what it writes is committed, and embedded in the binaries
+[group('build on it')]
+web: _pages
+    npm --silent --prefix {{ pages }} run check
+    npm --silent --prefix {{ pages }} run build
+
 # Lay the ground for a new stage
 [group('build on it')]
 new-stage NAME:
@@ -97,3 +106,7 @@ docs *ARGS:
 # The Python environment of peers and readers, made on first use
 _python *PARTS:
     @tools/peers/environment "$@"
+
+# The packages of pages, installed where npm is and its lock file has changed; their tests say `skipped` without
+_pages:
+    @cmp --silent {{ pages }}/package-lock.json {{ pages }}/node_modules/.installed || tools/pages

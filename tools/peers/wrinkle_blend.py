@@ -8,6 +8,8 @@ import time
 import cv2
 import numpy as np
 
+from _player import agreement, browser_lacks
+
 SEEDS = [1, 2, 3]
 # The real character's own unit is the decimetre; times of its pose units, s.
 REAL = ["--mm-per-unit", 100, "--pose", "brows=3+4+5+6", "--pose", "frown=1+2", "--pose", "smile=44+45", "--pose", "snarl=7"]
@@ -36,7 +38,7 @@ def weights(ctx, folder, name, *words):
 
 
 def blended(ctx, folder, weights, *words):
-    out = ctx.tmp / f"{folder.name}-maps"
+    out = ctx.tmp / f"{folder.name}-maps{'-bare' if '--padding' in words else ''}"
     call = [ctx.binary("wrinkle-blend"), "maps", "--model", folder / "head.glb", "--poses", folder / "poses.json"]
     summary = ctx.run([*call, "--neutral", folder / "neutral.png", "--weights", weights, *words, "--out", out])
     return out, summary
@@ -194,6 +196,26 @@ def real_recovery(ctx):
     return summary["own_share_min"], largest(summary["crosstalk"]), largest(plain["crosstalk"])
 
 
+def score_browser(ctx, seeds):
+    lacks = browser_lacks()
+    if lacks:
+        yield metric("shader_agreement", None, 0.999, "higher", "share") | {"reason": lacks}
+        return
+    found = {}
+    for seed in seeds:
+        folder = character(ctx, seed, vertices=6000, map_size=512)
+        weighed, header, frames, _ = weights(ctx, folder, "expressions", "--rate", 2)
+        out, _ = blended(ctx, folder, weighed, "--padding", 0)
+        numbers = [frame["frame"] for frame in frames]
+        found[seed] = agreement(ctx, folder, numbers, len(header["poses"]), lambda frame: picture(out / f"{frame:06}.png"))
+    of = lambda key: {seed: one[key] for seed, one in found.items()}
+    scale = {"browser": "headless Chromium, SwiftShader", "states": "13 of the expressions' animation", "map": "512 px"}
+    yield metric("shader_agreement", min(of("share").values()), 0.999, "higher", "share", by_seed=of("share"), largest_codes=of("largest"), **scale)
+    yield metric("shader_neutral_exact", min(of("exact").values()), True, "equal", "yes/no", by_seed=of("exact"))
+    yield metric("uploads_while_moving", max(of("uploads").values()), 0, "equal", "calls", by_seed=of("uploads"))
+    yield metric("page_faults", max(of("faults").values()), 0, "equal", "messages", by_seed=of("faults"))
+
+
 def score(ctx):
     seeds = ctx.seeds or SEEDS
     own, others, crosstalk, plain, shares, at_vertices, exact, codes = ({} for _ in range(8))
@@ -235,6 +257,7 @@ def score(ctx):
     least, largest, without = real_recovery(ctx)
     yield metric("real_pose_recovery", least, 0.99, "higher", "share", mode="--dual", character="MakeHuman head")
     yield metric("real_crosstalk", largest, 0.05, "lower", "share", mode="--dual", without_dual=without, character="MakeHuman head")
+    yield from score_browser(ctx, seeds)
 
 
 REPEATS = 3

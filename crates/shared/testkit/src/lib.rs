@@ -7,6 +7,8 @@
 //! ```
 
 mod data;
+mod pages;
 pub mod shapes;
 
 pub use data::data;
+pub use pages::node;

@@ -33,6 +33,18 @@ pub struct Bone {
     probe: Point3<f64>,
 }
 
+impl Bone {
+    /// Its node.
+    pub(crate) fn node(&self) -> usize {
+        self.node
+    }
+
+    /// The point that is watched, in the bone's own space, units of the file.
+    pub(crate) fn probe(&self) -> Point3<f64> {
+        self.probe
+    }
+}
+
 /// The shares α of the bones in one pose: per reference pose one per bone, 0 to 1; 0 where the bone is not of the pose.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shares(pub Vec<Vec<f64>>);
@@ -102,6 +114,16 @@ impl Blender {
     #[must_use]
     pub fn bones(&self) -> &[Bone] {
         &self.bones
+    }
+
+    /// Where the watched points are in the neutral pose, in the head's space, mm.
+    pub(crate) fn neutral(&self) -> &[Point3<f64>] {
+        &self.neutral
+    }
+
+    /// The node that defines the head's space.
+    pub(crate) fn head(&self) -> usize {
+        self.skeleton.head()
     }
 
     /// How far a bone goes in a reference pose, mm; none where it is not of the pose.

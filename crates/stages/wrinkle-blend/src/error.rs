@@ -91,6 +91,16 @@ pub enum Error {
         /// The mesh.
         mesh: String,
     },
+    /// More poses than a graphics card takes from vertices to pixels.
+    #[error(
+        "{count} poses are too many to draw, {most} are the most\n  to do: leave out poses, or find a smaller set with fit-poses"
+    )]
+    ManyPoses {
+        /// How many there are.
+        count: usize,
+        /// How many may be.
+        most: usize,
+    },
     /// No set of poses is near enough to all frames.
     #[error(
         "{count} poses leave {error_mm:.2} mm, more than the {tolerance_mm} mm allowed\n  to do: allow more poses (--most), or a larger --tolerance-mm"

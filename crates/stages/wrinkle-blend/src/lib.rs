@@ -55,6 +55,7 @@ mod params;
 mod skeleton;
 mod skinning;
 
+pub mod player;
 pub mod shader;
 
 pub use atlas::Atlas;

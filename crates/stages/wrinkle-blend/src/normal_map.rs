@@ -62,6 +62,15 @@ impl NormalMap {
         bad.count() as f64 / texels.max(1) as f64
     }
 
+    /// Codes of 8 bits, rounded to the nearest: red, green, blue of each texel, row after row.
+    #[must_use]
+    pub fn to_8_bits(&self) -> Vec<u8> {
+        let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
+        (0..self.width * self.height)
+            .flat_map(|texel| self.planes.each_ref().map(|plane| code(plane[texel])))
+            .collect()
+    }
+
     /// The vector of a texel, as it stands there.
     #[must_use]
     pub fn normal(&self, texel: usize) -> [f64; 3] {

@@ -207,7 +207,7 @@ fn bad_maps_are_named() {
 
 #[test]
 fn the_help_says_what_there_is() {
-    for name in ["", "check", "poses", "fit-poses", "weights", "maps", "show", "shader"] {
+    for name in ["", "check", "poses", "fit-poses", "weights", "maps", "show", "play", "shader"] {
         let words: Vec<&str> = [name, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let output = command(Path::new("."), &words)
             .env("COLUMNS", "100")

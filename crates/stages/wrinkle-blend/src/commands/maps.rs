@@ -1,14 +1,14 @@
 //! `wrinkle-blend maps`.
 
+use super::map_files::MapArguments;
 use super::model::{Model, ModelArguments};
-use super::poses::{GivenMap, pose_of};
 use anyhow::{Context, bail};
-use artifact::picture::{Codes, read_rgb, write_rgb8, write_rgb16};
-use artifact::{BlendWeights, BlendWeightsHeader, FrameRange, FrameReader, Poses, Staged};
+use artifact::picture::{write_rgb8, write_rgb16};
+use artifact::{BlendWeights, BlendWeightsHeader, FrameRange, FrameReader, Staged};
 use serde_json::json;
 use stage::Run;
 use std::path::{Path, PathBuf};
-use wrinkle_blend::{Atlas, Blended, MapBlender, NormalMap};
+use wrinkle_blend::{Atlas, Blended, MapBlender};
 
 /// Blends wrinkle maps by weights into one normal map per frame: what a shader shows, as pictures
 #[derive(clap::Args)]
@@ -21,15 +21,8 @@ pub(crate) struct Arguments {
     /// Reference poses that name their maps, which lie beside them (poses)
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
-    /// Wrinkle map of a pose
-    #[arg(long = "map", value_name = "ID=PNG")]
-    maps: Vec<GivenMap>,
-    /// Normal map of the skin without wrinkles [default: flat]
-    #[arg(long, value_name = "PNG")]
-    neutral: Option<PathBuf>,
-    /// Green points down in all maps (Direct3D)
-    #[arg(long)]
-    directx: bool,
+    #[command(flatten)]
+    maps: MapArguments,
     /// Bits per channel to write [default: as many as the neutral map has, or else the first map]
     #[arg(long, value_name = "N", value_parser = ["8", "16"])]
     bits: Option<String>,
@@ -59,7 +52,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     check(&arguments.weights, &header, &model)?;
     let blender = arguments.blender(run, &header)?;
     run.parameters(&json!({
-        "model": arguments.model, "directx": arguments.directx, "padding_px": arguments.padding,
+        "model": arguments.model, "directx": arguments.maps.directx, "padding_px": arguments.padding,
         "frames": arguments.frames.to_string(), "bits": blender.1,
     }))?;
     let size = blender.0.size();
@@ -104,7 +97,7 @@ fn blend(
             }
         }
         let mut blended = run.timed("blend", || blender.blend(atlas, &all));
-        if arguments.directx {
+        if arguments.maps.directx {
             flip(&mut blended);
         }
         let path = arguments.out.join(format!("{:06}.png", frame.frame));
@@ -169,76 +162,11 @@ fn flip(blended: &mut Blended) {
     }
 }
 
-/// A share of texels that are no normals, above which a picture is none.
-const DOUBTFUL: f64 = 0.02;
-
 impl Arguments {
     /// The maps in the order of the weights' poses; and the bits of the output.
     fn blender(&self, run: &mut Run, header: &BlendWeightsHeader) -> anyhow::Result<(MapBlender, u8)> {
-        let paths = self.paths(run, header)?;
-        let mut maps = Vec::new();
-        let mut bits = None;
-        for (id, path) in header.poses.iter().zip(&paths) {
-            let (map, own) = self.map(run, &format!("map of {id}"), path)?;
-            bits = bits.or(Some(own));
-            maps.push(map);
-        }
-        let neutral = match &self.neutral {
-            Some(path) => {
-                let (map, own) = self.map(run, "neutral map", path)?;
-                bits = Some(own);
-                map
-            }
-            None => NormalMap::flat("flat", maps[0].width, maps[0].height),
-        };
-        let bits = self.bits.as_deref().and_then(|bits| bits.parse().ok()).or(bits).unwrap_or(8);
-        Ok((MapBlender::new(neutral, maps, bits)?, bits))
-    }
-
-    fn paths(&self, run: &mut Run, header: &BlendWeightsHeader) -> anyhow::Result<Vec<PathBuf>> {
-        let mut paths: Vec<Option<PathBuf>> = vec![None; header.poses.len()];
-        if let Some(path) = &self.poses {
-            let file: Poses = artifact::read_document(path)?;
-            run.input("poses", path)?;
-            for (at, id) in header.poses.iter().enumerate() {
-                let named = file.poses.iter().find(|pose| pose.id == *id).and_then(|pose| pose.map.as_ref());
-                let Some(map) = named else { continue };
-                let beside = path.parent().unwrap_or(Path::new("")).join(&map.name);
-                if artifact::sha256(&beside)? != map.sha256 {
-                    run.warn(format!("{}: has changed since {} named it", beside.display(), path.display()));
-                }
-                paths[at] = Some(beside);
-            }
-        }
-        for map in &self.maps {
-            paths[pose_of(map, header.poses.iter().cloned())?] = Some(map.path.clone());
-        }
-        let found = |(id, path): (&String, Option<PathBuf>)| {
-            path.with_context(|| format!("pose {id}: has no map\n  to do: give it with --map {id}=PNG"))
-        };
-        header.poses.iter().zip(paths).map(found).collect()
-    }
-
-    fn map(&self, run: &mut Run, role: &str, path: &Path) -> anyhow::Result<(NormalMap, u8)> {
-        let picture = read_rgb(path)?;
-        run.input(role, path)?;
-        let name = path.display().to_string();
-        let (mut map, bits) = match &picture.codes {
-            Codes::Bits8(codes) => (NormalMap::from_8_bits(&name, picture.width, picture.height, codes)?, 8),
-            Codes::Bits16(codes) => {
-                (NormalMap::from_16_bits(&name, picture.width, picture.height, codes)?, 16)
-            }
-        };
-        let doubtful = map.doubtful();
-        if doubtful > DOUBTFUL {
-            run.warn(format!(
-                "{name}: {:.0} % of its texels are no unit normals turned outwards; is it a tangent-space normal map?",
-                100.0 * doubtful
-            ));
-        }
-        if self.directx {
-            map.flip_green();
-        }
-        Ok((map, bits))
+        let found = self.maps.read(run, &header.poses, self.poses.as_deref())?;
+        let bits = self.bits.as_deref().and_then(|bits| bits.parse().ok()).unwrap_or(found.bits);
+        Ok((MapBlender::new(found.neutral, found.maps, bits)?, bits))
     }
 }

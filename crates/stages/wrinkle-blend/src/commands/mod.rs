@@ -2,10 +2,12 @@
 
 mod check;
 mod fit_poses;
+mod map_files;
 mod maps;
 mod model;
 mod motion;
 mod options;
+mod play;
 mod poses;
 mod shader;
 mod show;
@@ -17,7 +19,7 @@ use stage::Run;
 /// Shows each wrinkle of a skinned character as its bones come near the pose that has it
 ///
 /// `weights` tells how much of each reference pose's wrinkle map shows at each vertex, `maps` blends the maps by these weights,
-/// `shader` prints the same equations for a graphics card.
+/// `play` shows them on the moving character, `shader` prints the same equations for a graphics card.
 #[derive(Parser)]
 #[command(name = "wrinkle-blend", version)]
 pub(crate) struct Arguments {
@@ -35,6 +37,7 @@ enum Command {
     Weights(Box<weights::Arguments>),
     Maps(Box<maps::Arguments>),
     Show(Box<show::Arguments>),
+    Play(Box<play::Arguments>),
     Shader(shader::Arguments),
 }
 
@@ -52,6 +55,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
         Command::Weights(arguments) => weights::run(run, &arguments),
         Command::Maps(arguments) => maps::run(run, &arguments),
         Command::Show(arguments) => show::run(run, &arguments),
+        Command::Play(arguments) => play::run(run, &arguments),
         Command::Shader(arguments) => shader::run(run, &arguments),
     }
 }

@@ -61,6 +61,11 @@ pub(crate) struct References {
 }
 
 impl PoseArguments {
+    /// Their file, if there is one.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.poses.as_deref()
+    }
+
     pub(crate) fn read(&self, run: &mut Run, model: &Model, model_path: &Path) -> anyhow::Result<References> {
         let mut found = References {
             poses: Vec::new(),

@@ -8,6 +8,7 @@ use mesh::Mesh;
 use serde_json::json;
 use stage::Run;
 use std::path::PathBuf;
+use wrinkle_blend::player::COLORS;
 use wrinkle_blend::skinned;
 
 /// Colours the posed mesh by the poses whose wrinkles show: red the first, green the second, then blue, yellow, …
@@ -31,17 +32,6 @@ pub(crate) struct Arguments {
 
 /// Skin without wrinkles.
 const PLAIN: [f32; 3] = [0.75; 3];
-/// Per pose, over and over.
-const COLORS: [[f32; 3]; 8] = [
-    [0.9, 0.1, 0.1],
-    [0.1, 0.75, 0.15],
-    [0.15, 0.3, 0.95],
-    [0.95, 0.8, 0.1],
-    [0.8, 0.2, 0.85],
-    [0.1, 0.8, 0.85],
-    [0.95, 0.5, 0.1],
-    [0.45, 0.3, 0.2],
-];
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("show");
