@@ -1,5 +1,9 @@
 //! The binary as its pages meet it: HTTP by hand, in folders of its own.
-#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "a test fails by panicking, in folders of its own")]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, in folders of its own"
+)]
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};

@@ -12,20 +12,33 @@ const TOOLS: Record<string, (desk: Desk) => Promise<Tool>> = { labels, picks, pa
 
 const byId = (id: string) => document.getElementById(id) as HTMLElement;
 
+/** What stands above the page: who may write, and what went wrong last. */
+const told = { standing: "", failure: "" };
+
+function notice() {
+  const text = [told.standing, told.failure].filter(Boolean).join("\n");
+  byId("notice").textContent = text;
+  byId("notice").hidden = !text;
+}
+
 function fail(text: string) {
-  const notice = byId("notice");
-  notice.textContent = text;
-  notice.hidden = !text;
+  told.failure = text;
+  notice();
 }
 
 function say(text: string) {
   byId("state").textContent = text;
 }
 
+/** Tells scripts that the page is there. */
+function ready() {
+  document.body.dataset.ready = "yes";
+}
+
 class Shell {
   private tool: Tool | null = null;
   private readonly save = element("button", { type: "button", title: "Save (Ctrl S)" }, "Save");
-  private readonly takeOver = element("button", { type: "button", hidden: true }, "Work here instead");
+  private readonly takeOver = element("button", { type: "button", id: "take-over", hidden: true }, "Work here instead");
 
   constructor(private readonly desk: Desk) {
     this.save.addEventListener("click", () => void this.tool?.held?.save());
@@ -54,6 +67,8 @@ class Shell {
       this.tool = start(this.desk, (page) => page in TOOLS);
     } else if (waits(about)) {
       place.replaceChildren(element("div", { class: "start" }, element("h2", {}, `${about.title} waits for something`), needs(about.needs)));
+      this.save.hidden = true;
+      ready();
       return;
     } else {
       this.tool = await TOOLS[id](this.desk);
@@ -63,6 +78,7 @@ class Shell {
     Object.assign(window, { workbench: this.tool });
     place.replaceChildren(this.tool.element);
     this.tool.element.querySelector("canvas")?.focus();
+    ready();
   }
 
   private showTabs(id: string) {
@@ -84,7 +100,8 @@ class Shell {
       looks: "Another window works on this take; this one only looks.",
       gone: "The program that serves this page has stopped. What you did is kept up to the last change; start it again and open its new address.",
     };
-    fail(texts[said]);
+    told.standing = texts[said];
+    notice();
   }
 
   /** Undo, redo and save work everywhere; the page's own keys while nothing is typed. */
@@ -119,4 +136,7 @@ async function main() {
   await shell.open();
 }
 
-main().catch((error: Error) => fail(error.message));
+main().catch((error: Error) => {
+  fail(error.message);
+  document.body.dataset.failed = "yes";
+});

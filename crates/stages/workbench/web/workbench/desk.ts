@@ -17,6 +17,8 @@ export interface Tool {
   element: HTMLElement;
   /** Its picture, if it has one: tests press where places of it are. */
   sheet?: Sheet;
+  /** Whether it waits for an answer. */
+  readonly busy: boolean;
   /** The document in hand, if it edits one. */
   held: { undo(): void; redo(): void; save(): Promise<void>; readonly dirty: boolean } | null;
   keys: Record<string, () => void>;

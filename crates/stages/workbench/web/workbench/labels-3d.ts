@@ -1,6 +1,7 @@
 // Names over places in three dimensions, drawn on a canvas of their own above the view.
 import type { View } from "pages/view";
-import { Vector3 } from "three";
+import type { Vector3 } from "three";
+import { caption } from "./sheet";
 
 export interface Place3d {
   name: string;
@@ -47,10 +48,7 @@ export class Labels3d {
       context.beginPath();
       context.arc(x, y, 4.5, 0, 2 * Math.PI);
       context.stroke();
-      context.shadowColor = "#000";
-      context.shadowBlur = 3;
-      if (look) context.fillText(name, x + 8, y + 4);
-      context.shadowBlur = 0;
+      if (look) caption(context, name, x + 8, y + 4, 1);
     }
   }
 }

@@ -4,7 +4,8 @@ import { type Dot, type Known, type Named, type Point, carried, dotsOf, nearest 
 import { Held } from "./held";
 import type { Desk, Tool } from "./desk";
 import { type CameraImages, type Images, ask, json } from "./server";
-import { Sheet, picture } from "./sheet";
+import { Sheet, caption, picture } from "./sheet";
+import { Waiting } from "./waiting";
 
 interface Labels {
   take: Images["take"];
@@ -16,8 +17,8 @@ interface Hint extends Known {
   off_px: number | null;
 }
 
-/** A dot is snapped to from this far, px; farther clicks name the place itself. */
-const SNAP_PX = 8;
+/** A dot is snapped to from this far, px of the screen; farther clicks name the place itself. */
+const SNAP_PX = 12;
 /** A label this far off what other cameras say is doubtful, px. */
 const OFF_PX = 3;
 
@@ -37,7 +38,7 @@ export async function labels(desk: Desk): Promise<Tool> {
   const held = new Held<Labels>("labels", desk.session, () => ({ take: images.take, frame: first, cameras: {} }), parse, print);
   const page = new LabelsPage(desk, images, held);
   await page.start();
-  return { element: page.element, sheet: page.sheet, held, keys: page.keys, close: () => {} };
+  return { element: page.element, sheet: page.sheet, held, keys: page.keys, close: () => {}, get busy() { return page.waiting.busy; } };
 }
 
 class LabelsPage {
@@ -46,7 +47,7 @@ class LabelsPage {
   private readonly list = element("ul", { class: "list" });
   private readonly count = element("p", { class: "note" });
   private readonly frameInput = element("input", { type: "number" });
-  private readonly nameInput = element("input", { placeholder: "new marker", spellcheck: false });
+  private readonly nameInput = element("input", { id: "new-marker", placeholder: "marker", spellcheck: false, title: "Type a name to choose it, or to add it" });
   private readonly from = element("select", { title: "Camera to carry names over from" });
   private readonly message = element("p", { class: "note" });
   private camera: CameraImages;
@@ -56,7 +57,11 @@ class LabelsPage {
   private marker = "";
   private names: string[] = [];
   private asked = 0;
+  private isFinding = false;
+  private isHinting = false;
+  private isStale = false;
   readonly keys: Record<string, () => void>;
+  readonly waiting = new Waiting();
 
   constructor(
     private readonly desk: Desk,
@@ -113,7 +118,7 @@ class LabelsPage {
     this.nameInput.addEventListener("keydown", (event) => {
       const name = this.nameInput.value.trim();
       if (event.key !== "Enter" || !name) return;
-      this.names.push(name);
+      if (!this.markers().includes(name)) this.names.push(name);
       this.marker = name;
       this.nameInput.value = "";
       this.show();
@@ -137,8 +142,12 @@ class LabelsPage {
     this.sheet.pressed = ({ x, y }, event) => this.press([x, y], event);
   }
 
+  private look(camera: CameraImages): Promise<void> {
+    return this.waiting.for(() => this.lookAt(camera));
+  }
+
   /** Looks at a camera's image. */
-  private async look(camera: CameraImages) {
+  private async lookAt(camera: CameraImages) {
     this.camera = camera;
     const number = ++this.asked;
     const { frame } = this.held.value;
@@ -168,6 +177,7 @@ class LabelsPage {
   /** Finds all dots of the paint at a place. */
   private async find(at: Point) {
     const number = this.asked;
+    this.isFinding = true;
     try {
       const { table } = await ask<{ table: string }>("dots", { camera: this.camera.id, frame: this.held.value.frame, at });
       if (number !== this.asked) return;
@@ -175,23 +185,23 @@ class LabelsPage {
       this.sheet.draw();
     } catch (error) {
       this.desk.fail((error as Error).message);
+    } finally {
+      this.isFinding = false;
     }
   }
 
   private press(at: Point, event: PointerEvent): boolean {
     if (!this.desk.session.holds) return false;
-    if (this.dots.length === 0) {
-      void this.find(at).then(() => this.name(at, event.altKey));
-      return true;
-    }
-    this.name(at, event.altKey);
+    // Until the dots are found, further presses would be about nothing.
+    if (this.isFinding) return true;
+    if (this.dots.length === 0) void this.waiting.for(() => this.find(at)).then(() => this.name(at, event.altKey));
+    else this.name(at, event.altKey);
     return true;
   }
 
   /** Names the dot at a place, or with `exactly` the place itself; a dot that has a name already is chosen. */
   private name(at: Point, exactly: boolean) {
-    const reach = SNAP_PX;
-    const dot = exactly ? null : nearest(this.dots, at, reach);
+    const dot = exactly ? null : nearest(this.dots, at, SNAP_PX * this.sheet.unit);
     const place: Point = dot?.at ?? [round(at[0]), round(at[1])];
     const taken = Object.entries(this.here).find(([, other]) => Math.hypot(other[0] - place[0], other[1] - place[1]) < 1);
     if (taken && taken[0] !== this.marker && this.here[this.marker]) {
@@ -258,11 +268,21 @@ class LabelsPage {
     this.nextFree();
   }
 
+  /** Asks what other cameras say; what is asked while an answer is awaited is asked once, after it. */
   private async hint() {
-    const camera = this.camera.id;
-    const found = await ask<Record<string, Hint>>("hints", { labels: this.held.value.cameras, camera }).catch(() => ({}));
-    if (camera !== this.camera.id) return;
-    this.hints = found;
+    if (this.isHinting) {
+      this.isStale = true;
+      return;
+    }
+    this.isHinting = true;
+    do {
+      this.isStale = false;
+      const camera = this.camera.id;
+      const found = await ask<Record<string, Hint>>("hints", { labels: this.held.value.cameras, camera }).catch(() => ({}));
+      if (camera === this.camera.id) this.hints = found;
+      else this.isStale = true;
+    } while (this.isStale);
+    this.isHinting = false;
     this.showList();
     this.sheet.draw();
   }
@@ -272,7 +292,7 @@ class LabelsPage {
     if (!all.includes(this.marker)) this.marker = all.find((marker) => !(marker in this.here)) ?? all[0] ?? "";
     this.showList();
     this.sheet.draw();
-    void this.hint();
+    void this.waiting.for(() => this.hint());
   }
 
   private isDoubtful(marker: string): boolean {
@@ -313,10 +333,7 @@ class LabelsPage {
       context.strokeStyle = context.fillStyle = color;
       context.lineWidth = (marker === this.marker ? 2.5 : 1.5) * unit;
       ring(context, at, 7 * unit);
-      context.shadowColor = "#000";
-      context.shadowBlur = 3;
-      context.fillText(marker, at[0] + 9 * unit, at[1] + 4 * unit);
-      context.shadowBlur = 0;
+      caption(context, marker, at[0] + 9 * unit, at[1] + 4 * unit, unit);
     }
   }
 

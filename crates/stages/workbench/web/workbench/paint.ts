@@ -4,6 +4,7 @@ import type { Desk, Tool } from "./desk";
 import { Painting, clearGround } from "./painting";
 import { type CameraImages, type Images, ask, json } from "./server";
 import { type Place, Sheet, picture } from "./sheet";
+import { Waiting } from "./waiting";
 
 /** What marks a paint in a mask: any hue of its own; names are wrinkle-track's business. */
 const PAINTS: [string, string][] = [["green", "#00ff00"], ["purple", "#ff00ff"], ["blue", "#0080ff"], ["yellow", "#ffff00"]];
@@ -11,13 +12,13 @@ const PAINTS: [string, string][] = [["green", "#00ff00"], ["purple", "#ff00ff"],
 export async function paint(desk: Desk): Promise<Tool> {
   const page = new PaintPage(desk, await json<Images>("cameras"));
   await page.start();
-  return { element: page.element, sheet: page.sheet, held: page, keys: page.keys, close: () => {} };
+  return { element: page.element, sheet: page.sheet, held: page, keys: page.keys, close: () => {}, get busy() { return page.waiting.busy; } };
 }
 
 class PaintPage {
   readonly element = element("div", { class: "desk" });
   readonly sheet = new Sheet("The image: paint with the left button, erase with Alt, move with the right button");
-  private readonly note = element("p", { class: "note" });
+  private readonly note = element("p", { id: "learnt", class: "note" });
   private readonly frameInput = element("input", { type: "number" });
   private camera: CameraImages;
   private frame: number;
@@ -28,6 +29,7 @@ class PaintPage {
   private showsMask = true;
   private cursor: Place | null = null;
   private asked = 0;
+  readonly waiting = new Waiting();
   readonly keys: Record<string, () => void>;
 
   constructor(
@@ -38,7 +40,7 @@ class PaintPage {
     this.camera = wide[0] ?? images.cameras[0];
     this.frame = this.camera.frames[0];
     this.keys = {
-      "[": () => this.widen(-1), "]": () => this.widen(1), h: () => this.hide(), f: () => this.sheet.fit(), t: () => void this.train(),
+      "[": () => this.widen(-1), "]": () => this.widen(1), h: () => this.hide(), f: () => this.sheet.fit(), t: () => void this.waiting.for(() => this.train()),
       "+": () => this.sheet.zoom(1.25), "-": () => this.sheet.zoom(0.8),
     };
     PAINTS.forEach(([, color], number) => (this.keys[`${number + 1}`] = () => this.take(color)));
@@ -65,11 +67,11 @@ class PaintPage {
       if (!camera) return;
       this.camera = camera;
       this.frame = camera.frames[0];
-      void this.look();
+      void this.waiting.for(() => this.look());
     });
     this.frameInput.addEventListener("change", () => {
       this.frame = this.frameInput.valueAsNumber;
-      void this.look();
+      void this.waiting.for(() => this.look());
     });
     const paints = choice("paint", PAINTS.map(([name, color]) => [color, name] as [string, string]), this.color, (color) => this.take(color));
     const width = slider("Brush", { least: 1, most: 40, step: 1, value: this.radius, text: (value) => `${2 * value} px` }, (value) => (this.radius = value));
@@ -86,7 +88,7 @@ class PaintPage {
     const panel = element("aside", { class: "panel" },
       group("Camera", cameras.set, element("label", { class: "row" }, "Frame", this.frameInput)),
       group("Paint", paints.set, width.row, light.row, element("p", { class: "note" }, "One colour per paint on the face. Mark all paint of this image, to its edge and not beyond: the rest counts as skin.")),
-      group("What is learnt", element("div", { class: "row" }, button("Try", "Learn from what is marked, and show what it finds (T)", () => void this.train()), button("Hide", "Show and hide (H)", () => this.hide())), this.note),
+      group("What is learnt", element("div", { class: "row" }, button("Try", "Learn from what is marked, and show what it finds (T)", () => void this.waiting.for(() => this.train())), button("Hide", "Show and hide (H)", () => this.hide())), this.note),
       element("div", { class: "keys" }, ...keys.flatMap(([key, what]) => [element("kbd", {}, key), element("span", {}, what)])));
     this.element.append(this.sheet.element, panel);
     this.sheet.over = (context, unit) => this.draw(context, unit);

@@ -8,6 +8,7 @@ import { Labels3d } from "./labels-3d";
 import { lights, loadMesh } from "./mesh";
 import { PickTable, mirrored } from "./picks-table";
 import { ask, json } from "./server";
+import { Waiting } from "./waiting";
 
 /** What `rbf-warp` says of the picks. */
 interface Fit {
@@ -26,7 +27,7 @@ export async function picks(desk: Desk): Promise<Tool> {
   const held = new Held<PickTable>("picks", desk.session, () => new PickTable(unit), (text) => PickTable.parse(text, unit), (table) => table.print());
   const page = new PicksPage(desk, held);
   await page.start();
-  return { element: page.element, held, keys: page.keys, close: () => page.close() };
+  return { element: page.element, held, keys: page.keys, close: () => page.close(), get busy() { return page.busy; } };
 }
 
 class PicksPage {
@@ -35,9 +36,9 @@ class PicksPage {
   private readonly view: View;
   private readonly names3d: Labels3d;
   private readonly list = element("ul", { class: "list" });
-  private readonly count = element("p", { class: "note" });
-  private readonly fitNote = element("p", { class: "note" });
-  private readonly nameInput = element("input", { placeholder: "new marker", spellcheck: false });
+  private readonly count = element("p", { id: "count", class: "note" });
+  private readonly fitNote = element("p", { id: "warp", class: "note" });
+  private readonly nameInput = element("input", { placeholder: "marker", spellcheck: false, title: "Type a name to choose it, or to add it" });
   private readonly material = new MeshStandardMaterial({ color: 0xd8b8a6, roughness: 0.75 });
   private full: Mesh | null = null;
   private coarse: Mesh | null = null;
@@ -45,6 +46,12 @@ class PicksPage {
   private marker = "";
   private fit: Fit | null = null;
   private fitTimer = 0;
+  private readonly waiting = new Waiting();
+
+  get busy(): boolean {
+    return this.fitTimer !== 0 || this.waiting.busy;
+  }
+
   readonly keys: Record<string, () => void>;
 
   constructor(
@@ -209,7 +216,7 @@ class PicksPage {
     this.nameInput.addEventListener("keydown", (event) => {
       const name = this.nameInput.value.trim();
       if (event.key !== "Enter" || !name) return;
-      this.names.push(name);
+      if (!this.markers().includes(name)) this.names.push(name);
       this.marker = name;
       this.nameInput.value = "";
       this.show();
@@ -238,7 +245,10 @@ class PicksPage {
     const guess = this.held.value.get(this.marker) ? null : this.guess(this.marker);
     this.names3d.show(guess ? [...places, { name: `${this.marker}?`, at: guess, look: "guess" }] : places);
     clearTimeout(this.fitTimer);
-    this.fitTimer = window.setTimeout(() => void this.warp(), 500);
+    this.fitTimer = window.setTimeout(() => {
+      this.fitTimer = 0;
+      void this.waiting.for(() => this.warp());
+    }, 500);
   }
 
   private isDoubtful(marker: string): boolean {

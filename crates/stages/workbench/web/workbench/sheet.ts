@@ -44,6 +44,11 @@ export class Sheet {
     return this.picture ? [this.picture.width, this.picture.height] : [0, 0];
   }
 
+  /** Pixels of the picture to one of the screen. */
+  get unit(): number {
+    return 1 / this.scale;
+  }
+
   /** The whole picture. */
   fit() {
     if (!this.picture) return;
@@ -153,4 +158,15 @@ export class Sheet {
 export async function picture(path: string): Promise<ImageBitmap> {
   const { load } = await import("pages/files");
   return createImageBitmap(await (await load(path)).blob());
+}
+
+/** Text in the fill's colour that is legible on anything. */
+export function caption(context: CanvasRenderingContext2D, text: string, x: number, y: number, unit: number) {
+  const { strokeStyle, lineWidth } = context;
+  context.strokeStyle = "rgba(0,0,0,0.75)";
+  context.lineWidth = 3 * unit;
+  context.lineJoin = "round";
+  context.strokeText(text, x, y);
+  context.fillText(text, x, y);
+  Object.assign(context, { strokeStyle, lineWidth });
 }

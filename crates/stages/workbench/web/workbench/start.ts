@@ -26,5 +26,5 @@ export function start(desk: Desk, isBuilt: (id: string) => boolean): Tool {
     return element("article", {}, element("h2", {}, name), element("p", {}, `${page.does}.`), needs(page.needs),
       element("p", { class: "quiet" }, "Writes ", element("code", {}, page.writes), "; next: ", element("code", {}, page.next)));
   });
-  return { element: element("div", { class: "start" }, intro, ...noRun, ...pages), held: null, keys: {}, close: () => {} };
+  return { element: element("div", { class: "start" }, intro, ...noRun, ...pages), busy: false, held: null, keys: {}, close: () => {} };
 }
