@@ -38,6 +38,11 @@ capture *ARGS: build
 wrinkles *ARGS: build
     @tools/wrinkles "$@"
 
+# Pages in a browser for what only people can do: names of dots, picks on the scan, paint: workbench TAKE [RUN] [OPTIONS]
+[group('use')]
+workbench *ARGS: build
+    @tools/workbench "$@"
+
 # A take of the virtual rig with its truth: virtual-take NAME [OUT] [OPTIONS], e.g. standard-2-short; alone it lists the names
 [group('use')]
 virtual-take *ARGS:

@@ -245,6 +245,7 @@ const CALLS: &[(&str, &[&str])] = &[
         &["show", "--model", "missing-input.glb", "--poses", DOCUMENT, "--frame", "1", "--out", "out.ply"],
     ),
     ("wrinkle-blend", &["play", "--no-open", "--model", "missing-input.glb", "--poses", DOCUMENT]),
+    ("workbench", &["missing-input", "--no-open"]),
     // `house new-stage` adds here
 ];
 

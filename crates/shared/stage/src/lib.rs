@@ -30,9 +30,11 @@ mod inputs;
 mod progress;
 mod run;
 mod shell;
+mod stopwatch;
 
 pub use footage::{CameraImages, Footage, ImageSource, check_take};
 pub use inputs::{MeshOptions, load_take, resolve_unit};
 pub use progress::Progress;
 pub use run::Run;
 pub use shell::{Arguments, Common, run};
+pub use stopwatch::Stopwatch;

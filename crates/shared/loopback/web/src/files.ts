@@ -1,7 +1,7 @@
 // What a page loads from its server; paths are relative to the page, so that the token stays in them.
 
-export async function load(path: string): Promise<Response> {
-  const answer = await fetch(path).catch(() => undefined);
+export async function load(path: string, options?: RequestInit): Promise<Response> {
+  const answer = await fetch(path, options).catch(() => undefined);
   if (!answer) throw new Error(`${path}: the program that serves this page has stopped; start it again`);
   if (!answer.ok) throw new Error(`${path}: ${(await answer.text()).trim() || answer.statusText}`);
   return answer;
