@@ -49,7 +49,7 @@ pub fn edited(frames: &[SectionsFrame]) -> BTreeSet<(i64, String)> {
     found
 }
 
-fn is_open(points: &Vec<ValleyPoint>) -> bool {
+fn is_open(points: &[ValleyPoint]) -> bool {
     points.iter().any(|point| point.d_mm > 0.0)
 }
 
