@@ -107,6 +107,7 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     if !work.params.keep_fleeting {
         run.result("fleeting", flatten_fleeting(&mut frames, &edited(&work.frames)));
     }
+    tell::warn_of_depth(run, &frames);
     let drift = run.timed("arrange", || arrange(&mut frames, &ground, &work.material.mesh.positions));
     tell::report(run, &tally, &unused, &drift, unmapped);
     tell::check(&tally, &arguments.sections)?;
