@@ -21,7 +21,7 @@ take_folder() { # TAKE
     if [[ ! -e $take/take.json && -e $take/take/take.json ]]; then
         take=$take/take
     fi
-    [[ -e $take/take.json ]] || fail "$take has no take.json: it is no take folder"
+    [[ -e $take/take.json ]] || fail "$take has no take.json: it is no take folder (docs/guide.md, What to bring, says what one holds)"
     printf '%s\n' "$take"
 }
 

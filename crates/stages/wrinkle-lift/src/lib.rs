@@ -8,6 +8,7 @@
 //! - [`Spaces`], [`Scene`]: the warp; the deformed mesh before the cameras, ready for rays.
 //! - [`View`]: a camera as it sees the head. [`Moment`]: a time between frames.
 //! - [`Lifter::frame`]: all valleys of a frame. [`arrange`]: one count of millimetres along a wrinkle, in all frames.
+//! - [`flatten_fleeting`]: what a single image shows is noise.
 //!
 //! ```
 //! use artifact::{Section, SectionState};
@@ -47,7 +48,9 @@
 //! ```
 
 mod error;
+mod fleeting;
 mod ground;
+mod level;
 mod lift;
 mod line;
 mod merge;
@@ -61,6 +64,7 @@ mod track;
 mod view;
 
 pub use error::{Error, Result};
+pub use fleeting::{edited, flatten_fleeting};
 pub use ground::{Ground, Spot};
 pub use lift::{Image, Lifter};
 pub use moment::Moment;

@@ -11,6 +11,9 @@ pub struct Params {
     pub parallax: bool,
     /// Normals are averaged over this length, standard deviation, mm: relief finer than this does not turn a valley.
     pub normal_mm: f64,
+    /// Bulges of a measured profile are believed to be so high at most, as share of its depth: where its rounding promises higher ones,
+    /// the skin around is set anew between the same bottom and the same tops. The paper's profile has e⁻² = 0.135.
+    pub bulge: f64,
     /// Sections seen more obliquely than this are left out, degrees off the surface's normal.
     pub max_view_deg: f64,
     /// Distance of the points along a valley, mm.
@@ -21,6 +24,8 @@ pub struct Params {
     pub blend_mm: f64,
     /// Cameras that put a wrinkle farther apart than this disagree, mm: the surer one is followed.
     pub disagree_mm: f64,
+    /// Whether wrinkles that are open in a single image, between flat ones, stay.
+    pub keep_fleeting: bool,
 }
 
 impl Default for Params {
@@ -28,11 +33,13 @@ impl Default for Params {
         Self {
             parallax: true,
             normal_mm: 1.5,
+            bulge: 0.18,
             max_view_deg: 75.0,
             step_mm: 0.5,
             gap_mm: 4.0,
             blend_mm: 4.0,
             disagree_mm: 1.0,
+            keep_fleeting: false,
         }
     }
 }
@@ -45,6 +52,7 @@ impl Params {
     pub fn check(&self) -> Result<()> {
         let lengths = [
             ("normal-mm", self.normal_mm, 0.0, 20.0),
+            ("bulge", self.bulge, (-2.0f64).exp(), 10.0),
             ("max-view-deg", self.max_view_deg, 10.0, 89.0),
             ("step-mm", self.step_mm, 0.05, 10.0),
             ("gap-mm", self.gap_mm, 0.0, 50.0),

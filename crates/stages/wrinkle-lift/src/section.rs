@@ -1,10 +1,11 @@
 //! From a section in an image to a place on the face.
 
 use crate::ground::{Seen, Spot};
+use crate::level::levelled;
 use crate::params::Params;
 use crate::scene::{Hit, Scene, Spaces};
 use crate::view::View;
-use artifact::{Section, SectionState};
+use artifact::{ProfileShape, Section, SectionState};
 use nalgebra::{Matrix2x3, Matrix3, Point3, Vector2, Vector3};
 
 /// A section on the face.
@@ -54,6 +55,8 @@ const PLACE_REL: f64 = 0.25;
 const SHAPE_REL: f64 = 0.15;
 /// No width or depth is known better than this, as share: profiles are models.
 const SHAPE_FLOOR: f64 = 0.05;
+/// Where the skin of a profile was set anew, so much of the change may be wrong.
+const LEVEL_REL: f64 = 0.3;
 /// The place above the bottom has settled when it moves less than this in the image, px.
 const SETTLED_PX: f64 = 1e-3;
 /// Steps to get there; two or three are usual.
@@ -155,19 +158,21 @@ impl Shot<'_> {
         let on_surface = |image: Vector2<f64>| surface * Vector3::new(image.x, image.y, 0.0);
         let step = on_surface(tangent);
         let across = step.cross(&patch.normal).try_normalize(0.0).ok_or(Lost::Grazing)?;
-        let reach = on_surface(Vector2::from(section.normal) * section.w_px).dot(&across);
+        let shape = believed(section, self.params.bulge);
+        let reach = on_surface(Vector2::from(section.normal) * shape.w).dot(&across);
         let w_mm = reach.abs();
-        let ratio = if section.w_px > 0.0 { section.d_px / section.w_px } else { 0.0 };
+        let ratio = if shape.w > 0.0 { shape.d / shape.w } else { 0.0 };
         let d_mm = ratio * w_mm;
-        let (place_mm, shape_rel) = deviations(section, d_mm, patch.view_rad, (patch.pixels * across).norm());
+        let (place_mm, shape_rel) =
+            deviations(section, &shape, d_mm, patch.view_rad, (patch.pixels * across).norm());
         Ok(Lifted {
             spot: hit.spot,
             foot: self.scene.ground.at(&hit.spot, &self.scene.in_face),
             w_mm,
             d_mm,
-            epsilon: section.epsilon,
+            epsilon: shape.epsilon,
             // A section whose normal points to the other side counts its sides the other way round.
-            kappa: if reach < 0.0 { 0.0 - section.kappa } else { section.kappa },
+            kappa: if reach < 0.0 { 0.0 - shape.kappa } else { shape.kappa },
             view_rad: patch.view_rad,
             pixel_mm: step.norm(),
             place_mm,
@@ -176,16 +181,33 @@ impl Shot<'_> {
     }
 }
 
-/// Standard deviations of the place (mm) and of width and depth (share): a wrong depth moves the place by d·tan τ.
-fn deviations(section: &Section, d_mm: f64, view_rad: f64, px_per_mm: f64) -> (f64, f64) {
+/// The profile of a section, px: its skin lies where its bulges are believable. Numbers without a deviation, which a person set or which
+/// are known otherwise, are taken at their word; measured ones keep theirs when they are scaled.
+fn believed(section: &Section, bulge: f64) -> ProfileShape {
+    match section.deviation.is_some() {
+        true => levelled(section.shape(), bulge),
+        false => section.shape(),
+    }
+}
+
+/// Standard deviations of the place (mm) and of width and depth (share): a wrong depth moves the place by d·tan τ, and a skin that was set
+/// anew is known less well.
+fn deviations(
+    section: &Section,
+    shape: &ProfileShape,
+    d_mm: f64,
+    view_rad: f64,
+    px_per_mm: f64,
+) -> (f64, f64) {
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     let of_depth = section.deviation.map_or(SHAPE_REL, |spread| share(spread.d_px, section.d_px));
     let of_width = section.deviation.map_or(SHAPE_REL, |spread| share(spread.w_px, section.w_px));
-    let depth_rel = if section.d_px > 0.0 { of_depth } else { 0.0 };
+    let set_anew = LEVEL_REL * (share(shape.d, section.d_px).max(1.0)).ln();
+    let depth_rel = if section.d_px > 0.0 { of_depth.hypot(set_anew) } else { 0.0 };
     let crease_px = PLACE_PX.hypot(PLACE_REL * of_width * section.w_px);
     let place = (crease_px / px_per_mm.max(1e-6)).hypot(depth_rel * d_mm * view_rad.tan());
     // Seen obliquely a valley hides part of itself, and the model of its light matters more.
-    let shape = of_width.hypot(of_depth).clamp(SHAPE_FLOOR, 1.0) / view_rad.cos();
+    let shape = of_width.hypot(of_depth).hypot(set_anew).clamp(SHAPE_FLOOR, 1.0) / view_rad.cos();
     (place, shape)
 }
 

@@ -205,6 +205,28 @@ fn a_camera_that_sees_no_valley_counts_against_shallow_ones_only() {
 }
 
 #[test]
+fn bulges_that_no_skin_has_are_depth_unless_someone_knows_better() {
+    let (planted, camera) = (Planted::default(), camera(10.0));
+    let deepest = |state: SectionState, doubt: Option<f64>, epsilon: f64| {
+        let mut sections = planted.seen(&camera, &pose(), [0.0, 1.0], 60);
+        for section in sections.iter_mut().filter(|section| section.d_px > 0.0) {
+            let of = |length: f64| doubt.map_or(0.0, |doubt| doubt * length);
+            section.deviation =
+                doubt.map(|_| SectionDeviation { w_px: of(section.w_px), d_px: of(section.d_px) });
+            (section.epsilon, section.state) = (epsilon, state);
+        }
+        let (frame, _) = lifted(&[(camera.clone(), pose(), brow(sections))], &Params::default());
+        frame.valleys["brow"].iter().map(|point| point.d_mm).fold(0.0, f64::max)
+    };
+    let relief = (1.0 + (0.6f64 - 2.0).exp() / 0.4) / 1.18;
+    assert!((deepest(SectionState::Measured, Some(0.05), 0.6) / (1.5 * relief) - 1.0).abs() < 0.03);
+    assert!((deepest(SectionState::Measured, Some(0.05), 0.1) - 1.5).abs() < 0.05, "believable as it is");
+    let scaled = deepest(SectionState::Edited, Some(0.05), 0.6);
+    assert!((scaled / (1.5 * relief) - 1.0).abs() < 0.03, "scaled ones as measured ones");
+    assert!((deepest(SectionState::Edited, None, 0.6) - 1.5).abs() < 0.05, "nobody doubts it");
+}
+
+#[test]
 fn what_the_skin_hides_or_misses_is_counted_and_left_out() {
     let (planted, front) = (Planted::default(), camera(0.0));
     let sections = brow(planted.seen(&front, &pose(), [0.0, 1.0], 60));

@@ -12,7 +12,9 @@ use nalgebra::{Isometry3, Point3};
 use stage::{Run, check_take};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use wrinkle_lift::{Error, Ground, Image, Lifter, Moment, Params, Scene, Tally, arrange};
+use wrinkle_lift::{
+    Error, Ground, Image, Lifter, Moment, Params, Scene, Tally, arrange, edited, flatten_fleeting,
+};
 
 /// Makes valleys on the mesh from sections in the images
 #[derive(clap::Args)]
@@ -31,6 +33,9 @@ pub(crate) struct Arguments {
     /// Normals are averaged over this length, standard deviation, mm
     #[arg(long, value_name = "MM", default_value_t = Params::default().normal_mm)]
     normal_mm: f64,
+    /// Highest bulges that a measured profile is believed to have, as share of its depth; 10 believes all
+    #[arg(long, value_name = "SHARE", default_value_t = Params::default().bulge)]
+    bulge: f64,
     /// Leave out what is seen more obliquely, degrees off the normal
     #[arg(long, value_name = "DEG", default_value_t = Params::default().max_view_deg)]
     max_view_deg: f64,
@@ -46,6 +51,9 @@ pub(crate) struct Arguments {
     /// Distance from which cameras disagree on a place, mm; there the surer one is followed
     #[arg(long, value_name = "MM", default_value_t = Params::default().disagree_mm)]
     disagree_mm: f64,
+    /// Keep wrinkles that are open in a single image, between images that see them flat
+    #[arg(long)]
+    keep_fleeting: bool,
     /// Valleys to write (valleys; - for standard output)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -56,11 +64,13 @@ impl Arguments {
         Params {
             parallax: !self.no_parallax,
             normal_mm: self.normal_mm,
+            bulge: self.bulge,
             max_view_deg: self.max_view_deg,
             step_mm: self.step_mm,
             gap_mm: self.gap_mm,
             blend_mm: self.blend_mm,
             disagree_mm: self.disagree_mm,
+            keep_fleeting: self.keep_fleeting,
         }
     }
 }
@@ -94,6 +104,10 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     let ground = Ground::of(&work.material.mesh);
     let mut writer = FrameWriter::<Valleys>::create(&arguments.out, work.valleys_header())?;
     let (mut frames, tally, unmapped) = work.lift(run, &ground)?;
+    if !work.params.keep_fleeting {
+        run.result("fleeting", flatten_fleeting(&mut frames, &edited(&work.frames)));
+    }
+    tell::warn_of_depth(run, &frames);
     let drift = run.timed("arrange", || arrange(&mut frames, &ground, &work.material.mesh.positions));
     tell::report(run, &tally, &unused, &drift, unmapped);
     tell::check(&tally, &arguments.sections)?;

@@ -2,7 +2,9 @@
 
 use super::run::Unused;
 use anyhow::bail;
+use artifact::ValleysFrame;
 use stage::Run;
+use std::collections::BTreeMap;
 use std::path::Path;
 use wrinkle_lift::{CameraTally, Lost, Tally, percentile};
 
@@ -11,6 +13,8 @@ const ENOUGH: usize = 20;
 /// … and shares that miss the face: worth a warning, or an end.
 const DOUBTFUL: f64 = 0.2;
 const HOPELESS: f64 = 0.95;
+/// Deeper than this no wrinkle of a face is, mm.
+const DEEP_MM: f64 = 4.0;
 /// A wrinkle that cameras put this far apart in the median is worth a warning, mm.
 const APART_MM: f64 = 0.5;
 
@@ -86,6 +90,23 @@ fn warn(run: &mut Run, tally: &Tally, unused: &Unused) {
         run.warn(format!(
             "{} of {} points are on valleys with fewer than four edges of the mesh across (2w): refine the mesh there, or they lose their form",
             tally.coarse, tally.points
+        ));
+    }
+}
+
+/// Warns of valleys that are deeper than faces have them: their sections are wrong.
+pub(super) fn warn_of_depth(run: &mut Run, frames: &[ValleysFrame]) {
+    let mut deepest: BTreeMap<&String, (f64, i64)> = BTreeMap::new();
+    for frame in frames {
+        for (id, points) in &frame.valleys {
+            let depth = points.iter().map(|point| point.d_mm).fold(0.0, f64::max);
+            let most = deepest.entry(id).or_insert((depth, frame.frame));
+            *most = if depth > most.0 { (depth, frame.frame) } else { *most };
+        }
+    }
+    for (id, (depth, frame)) in deepest.iter().filter(|(_, (depth, _))| *depth > DEEP_MM) {
+        run.warn(format!(
+            "wrinkle {id} is {depth:.1} mm deep in frame {frame}: look at its curve and sections there; does its paint touch another's?"
         ));
     }
 }
