@@ -31,6 +31,7 @@ mod error;
 mod estimator;
 mod flow;
 mod frame;
+mod hair;
 mod integrate;
 mod light;
 mod mask;
@@ -47,7 +48,7 @@ mod warp;
 
 pub use acquire::{Acquired, Face, Photo, Region, Report, acquire};
 pub use blur::exact as gaussian;
-pub use encode::{Green, height_shares, normal_codes, normal_of};
+pub use encode::{height_shares, normal_codes, normal_of};
 pub use error::Error;
 pub use flow::{Refined, refined};
 pub use integrate::integrated;
