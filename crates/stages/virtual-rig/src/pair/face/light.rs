@@ -16,7 +16,7 @@ pub(super) struct Lit<'a> {
 }
 
 /// Directions in which a place looks for other skin.
-const LOOKS: usize = 192;
+const LOOKS: usize = 96;
 /// Rays start this far above the skin, mm.
 const LIFT_MM: f64 = 1e-3;
 

@@ -16,7 +16,7 @@ const LIPS: [f64; 3] = [1.12, 9.0, 11.5];
 const NOSTRILS: [[f64; 2]; 8] =
     [[-19.0, -3.0], [-14.0, 3.5], [0.0, 0.5], [14.0, 3.5], [19.0, -3.0], [12.0, -9.0], [0.0, -8.5], [-12.0, -9.0]];
 
-/// Vertices by the landmark's id: `eye_l_01` … (l: the subject's left), `mouth_01` … around the opening, `lips_01` … around
+/// Vertices by the landmark's id: `eye_l_01` … (l: the subject's left), `mouth_in_01` … around the opening, `lips_01` … around
 /// the red, `brow_l_01` …, `nostrils_01` …; then the markers by their own names.
 pub(super) fn marks(body: &Body) -> BTreeMap<String, u32> {
     let mut marks: BTreeMap<String, u32> =
@@ -34,7 +34,7 @@ pub(super) fn marks(body: &Body) -> BTreeMap<String, u32> {
             (true, false) => put("eye_r", spread(AROUND_EYE)),
             _ => {
                 mouth_half = vertices.iter().map(|v| body.domain[*v as usize].x.abs()).fold(0.0, f64::max);
-                put("mouth", spread(AROUND_MOUTH));
+                put("mouth_in", spread(AROUND_MOUTH));
             }
         }
     }
