@@ -42,7 +42,10 @@ mod tests {
     #[test]
     fn codes_are_the_numbers_again() {
         let normals = [[0.0, 0.0, 1.0], [0.28, -0.96, 0.0], [-1.0, 1.0, 0.0]];
-        assert_eq!(normal_codes(&normals, Bits::Eight, GreenAxis::Opengl), [128, 128, 255, 163, 5, 128, 0, 255, 128]);
+        assert_eq!(
+            normal_codes(&normals, Bits::Eight, GreenAxis::Opengl),
+            [128, 128, 255, 163, 5, 128, 0, 255, 128]
+        );
         assert_eq!(normal_codes(&normals[1..2], Bits::Eight, GreenAxis::Directx), [163, 250, 128]);
         assert_eq!(normal_codes(&normals[..1], Bits::Sixteen, GreenAxis::Opengl), [32768, 32768, 65535]);
         let range = displacement_range([-0.83, 0.2]);

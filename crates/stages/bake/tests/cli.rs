@@ -206,7 +206,8 @@ fn a_character_takes_the_same_maps_as_its_mesh() {
     // A GLB holds single precision.
     let apart = mesh.iter().zip(&character).flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
     assert!(apart.fold(0.0, f64::max) < 1e-3);
-    let words = ["--low", "low.glb", "--low-mesh", "hand", "--high", "high.obj", "--unit", "cm", "--out", "no"];
+    let words =
+        ["--low", "low.glb", "--low-mesh", "hand", "--high", "high.obj", "--unit", "cm", "--out", "no"];
     let said = command(folder.path()).args(words).output().expect("it ran");
     let said = String::from_utf8_lossy(&said.stderr).into_owned();
     assert!(said.contains("low.glb") && said.contains("--low-mesh knows skin"), "{said}");

@@ -73,8 +73,7 @@ pub(crate) fn leaning(plane: &Plane, weight: &Plane, sigma: f64) -> Plane {
         if total <= 1e-6 {
             return 0.0;
         }
-        let [mx, my, xx, xy, yy, mean, xv, yv] =
-            std::array::from_fn(|k| sums[k + 1].values[index] / total);
+        let [mx, my, xx, xy, yy, mean, xv, yv] = std::array::from_fn(|k| sums[k + 1].values[index] / total);
         // Covariances; the plane is laid through the mean.
         let (a, b, c) = (xx - mx * mx + STIFF, xy - mx * my, yy - my * my + STIFF);
         let (p, q) = (xv - mx * mean, yv - my * mean);

@@ -20,7 +20,8 @@ const DARK: f64 = 1.1;
 #[must_use]
 pub(crate) fn bare(light: &Plane, region: &Plane, io: f64) -> Plane {
     let log = light.map(|light| light.max(1e-4).ln());
-    let fine = blurred(&log, STRAND_IO[0] * io).with(&blurred(&log, STRAND_IO[1] * io), |a, b| (a - b).powi(2));
+    let fine =
+        blurred(&log, STRAND_IO[0] * io).with(&blurred(&log, STRAND_IO[1] * io), |a, b| (a - b).powi(2));
     let rough = blurred(&fine, WINDOW_IO * io).map(f64::sqrt);
     let usual = median(counted(&rough, region)).max(1e-6);
     let dark = blurred(&log, DARK_IO * io);

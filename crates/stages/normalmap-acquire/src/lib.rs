@@ -59,5 +59,5 @@ pub use paper::paper_normals;
 pub use params::{Exposure, Light, Mode, Params};
 pub use parts::{Part, Scheme};
 pub use plane::Plane;
-pub use texture::{Textured, textured};
+pub use texture::{Textured, texture_spread, textured};
 pub use warp::{Field, Pair, Warp};

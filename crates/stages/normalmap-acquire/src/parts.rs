@@ -12,7 +12,8 @@ const MESH: [(&[u16], f64); 5] = [
     (&[300, 293, 334, 296, 336, 285, 295, 282, 283, 276], 0.03),
 ];
 /// Its nostrils, and the tip of the nose, whose highlight wanders as the lips pull at it.
-const MESH_NOSTRILS: (&[u16], f64) = (&[98, 97, 2, 326, 327, 294, 278, 344, 1, 115, 48, 64, 4, 5, 45, 275], 0.03);
+const MESH_NOSTRILS: (&[u16], f64) =
+    (&[98, 97, 2, 326, 327, 294, 278, 344, 1, 115, 48, 64, 4, 5, 45, 275], 0.03);
 /// Its inner line of the lips: an open mouth tears it from the outer one.
 const MESH_INNER_LIPS: [u16; 20] =
     [78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308, 324, 318, 402, 317, 14, 87, 178, 88, 95];

@@ -121,6 +121,14 @@ fn nothing_changes_outside_a_mask_and_a_texture_takes_the_map() {
     let reds: Vec<f64> = (20..80).map(|column| map.at(column, 78)[0]).collect();
     let (low, high) = reds.iter().fold((1.0f64, 0.0f64), |(low, high), red| (low.min(*red), high.max(*red)));
     assert!(low < 0.45 && high > 0.55, "{low} {high}");
+    // A landmark on another chart would tear the map.
+    let stray = rows.replace("p8,0.7,0.7", "p8,0.1,0.95");
+    assert_ne!(stray, rows);
+    std::fs::write(folder.path().join("uv.csv"), format!("id,u,v\n{stray}")).unwrap();
+    std::fs::remove_file(folder.path().join("out.png")).unwrap();
+    mark(folder.path(), "rest.json", |marks| marks.interocular_px = Some(60.0));
+    let said = refused(folder.path(), &["--texture-landmarks", "uv.csv", "--texture-size", "128"]);
+    assert!(said.contains("uv.csv, landmark p"), "{said}");
 }
 
 #[test]

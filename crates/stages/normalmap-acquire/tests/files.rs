@@ -140,7 +140,10 @@ fn alpha_is_taken_where_it_hides_nothing_and_refused_where_it_does() {
     let plain = greens(folder.path(), PLAIN, "marks.csv", &[]);
     assert_eq!(greens(folder.path(), ["rest.png", "whole.png"], "marks.csv", &["--unlike"]), plain);
     let said = refused(folder.path(), ["rest.png", "hole.png"], "marks.csv");
-    assert!(said.contains("hole.png") && said.contains("column 7, row 5") && said.contains("transparent"), "{said}");
+    assert!(
+        said.contains("hole.png") && said.contains("column 7, row 5") && said.contains("transparent"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -159,12 +162,7 @@ fn sideways(path: &Path, upright: &ImageBuffer<Rgb<u8>, Vec<u8>>) {
     let [width, height] = SIZE;
     let turned = ImageBuffer::from_fn(height, width, |x, y| *upright.get_pixel(y, height - 1 - x));
     // Little-endian TIFF with one entry: tag 0x0112, a short, the value 6.
-    let exif = [
-        &b"II*\0\x08\0\0\0\x01\0"[..],
-        &[0x12, 0x01, 3, 0, 1, 0, 0, 0, 6, 0, 0, 0],
-        &[0; 4],
-    ]
-    .concat();
+    let exif = [&b"II*\0\x08\0\0\0\x01\0"[..], &[0x12, 0x01, 3, 0, 1, 0, 0, 0, 6, 0, 0, 0], &[0; 4]].concat();
     let mut bytes = Vec::new();
     let mut encoder = JpegEncoder::new_with_quality(&mut bytes, 100);
     encoder.set_exif_metadata(exif).unwrap();

@@ -3,8 +3,8 @@
 
 use artifact::GreenAxis;
 use normalmap_acquire::{
-    Face, Light, Mode, Pair, Params, Photo, Plane, Region, Warp, acquire, estimated_light,
-    fit_modulation, integrated, normal_codes, normal_of, paper_normals,
+    Face, Light, Mode, Pair, Params, Photo, Plane, Region, Warp, acquire, estimated_light, fit_modulation,
+    integrated, normal_codes, normal_of, paper_normals,
 };
 use proptest::prelude::*;
 

@@ -29,11 +29,15 @@ fn a_video_gives_what_its_pictures_give() {
         let share = f64::from(frame) / 4.0;
         let rgb = skin(0.35 * share * share);
         video.write(&rgb).unwrap();
-        let picture = artifact::picture::write_rgb8(&path(&format!("film{frame}.png")), SIZE[0], SIZE[1], &rgb);
+        let picture =
+            artifact::picture::write_rgb8(&path(&format!("film{frame}.png")), SIZE[0], SIZE[1], &rgb);
         picture.unwrap().publish().unwrap();
         let mut marks = Landmarks { interocular_px: Some(250.0), ..Landmarks::default() };
         for i in 0..9 {
-            let at = [10.0 + 50.0 * f64::from(i % 3), 8.0 + 40.0 * f64::from(i / 3) + 4.0 * share * f64::from(i == 4)];
+            let at = [
+                10.0 + 50.0 * f64::from(i % 3),
+                8.0 + 40.0 * f64::from(i / 3) + 4.0 * share * f64::from(i == 4),
+            ];
             marks.points.insert(format!("p{i}"), Landmark { at, depth_px: None });
         }
         write_document(&path(&format!("film{frame}.json")), &marks).unwrap().publish().unwrap();

@@ -1,7 +1,7 @@
 //! Tangent frames of a mesh.
 
-use artifact::GreenAxis;
 use crate::sampling::Corners;
+use artifact::GreenAxis;
 use mesh::Mesh;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;

@@ -5,7 +5,9 @@ use artifact::{Landmarks, Poses, gltf, read_document};
 use assert_cmd::Command;
 use std::path::Path;
 use virtual_rig::body::Body;
-use virtual_rig::character::{character, muscles_of, pose_names, reference_names, reference_poses, wrinkle_map};
+use virtual_rig::character::{
+    character, muscles_of, pose_names, reference_names, reference_poses, wrinkle_map,
+};
 use virtual_rig::pair::face::{FaceDegradation, FacePair, FaceScenario, FaceStudio};
 
 const SIDE: usize = 192;
@@ -46,7 +48,8 @@ fn a_face_that_does_nothing_is_flat_and_unchanged() {
 fn raised_brows_fold_the_forehead_and_nothing_below_the_eyes() {
     let pair = shot(&small("brows-up", 0.0));
     let eyes = pair.neutral_landmarks.points["eye_l_01"].at[1];
-    let steep: Vec<usize> = (0..SIDE * SIDE).filter(|i| lean(pair.normals[*i]).is_some_and(|lean| lean > 10.0)).collect();
+    let steep: Vec<usize> =
+        (0..SIDE * SIDE).filter(|i| lean(pair.normals[*i]).is_some_and(|lean| lean > 10.0)).collect();
     assert!(steep.len() > 30, "{}", steep.len());
     assert!(steep.iter().all(|i| ((i / SIDE) as f64) < eyes));
     // Above and below a valley skin leans to both sides.
@@ -80,11 +83,12 @@ fn what_spoils_photographs_is_drawn_by_the_seed() {
 fn a_film_goes_from_nothing_to_all_of_the_wrinkles() {
     let studio = FaceStudio::set_up(&small("brows-up", 0.0), 3).unwrap();
     let (mut shown, mut pictures) = (Vec::new(), Vec::new());
-    studio.film(4, |frame| {
-        shown.push(frame.shown);
-        pictures.push(frame.picture);
-    })
-    .unwrap();
+    studio
+        .film(4, |frame| {
+            shown.push(frame.shown);
+            pictures.push(frame.picture);
+        })
+        .unwrap();
     assert!(shown[0].abs() < 1e-9 && (shown[3] - 1.0).abs() < 1e-9 && shown.is_sorted(), "{shown:?}");
     assert_eq!(pictures[3], studio.pair().unwrap().expression);
 }
@@ -107,7 +111,9 @@ fn a_character_is_whole_and_its_poses_are_its_own() {
     let body = Body::parametric(2, 6000, &[], 0.0);
     let head = character(&body);
     let mesh = &head.meshes[0];
-    assert!(mesh.triangles.len() >= 10_000 && mesh.joints.len() == 21 && mesh.uvs.len() == mesh.positions.len());
+    assert!(
+        mesh.triangles.len() >= 10_000 && mesh.joints.len() == 21 && mesh.uvs.len() == mesh.positions.len()
+    );
     for influences in &mesh.influences {
         let sum: f64 = influences.iter().map(|pair| pair.1).sum();
         assert!((sum - 1.0).abs() < 1e-9 && influences.iter().all(|pair| pair.1 > 0.0));
@@ -143,7 +149,8 @@ fn rig(folder: &Path, words: &[&str]) -> (Option<i32>, String) {
 fn the_commands_write_what_stages_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let (code, said) = rig(folder.path(), &["character", "--vertices", "2000", "--map-size", "64", "--out", "head"]);
+    let (code, said) =
+        rig(folder.path(), &["character", "--vertices", "2000", "--map-size", "64", "--out", "head"]);
     assert_eq!(code, Some(0), "{said}");
     let (head, warnings) = gltf::read(&path("head/head.glb")).unwrap();
     assert!(warnings.is_empty() && head.meshes[0].joints.len() == 21);
@@ -152,10 +159,18 @@ fn the_commands_write_what_stages_read() {
         let map = pose.map.as_ref().unwrap();
         assert_eq!(artifact::sha256(&path("head").join(&map.name)).unwrap(), map.sha256);
     }
-    let words = ["pair", "--face", "smile", "--vertices", "4000", "--side", "128", "--frames", "2", "--out", "face"];
+    let words =
+        ["pair", "--face", "smile", "--vertices", "4000", "--side", "128", "--frames", "2", "--out", "face"];
     let (code, said) = rig(folder.path(), &words);
     assert_eq!(code, Some(0), "{said}");
-    for name in ["neutral.png", "expression.png", "truth/normals.png", "truth/pair.json", "truth/film.json", "frames/0001.png"] {
+    for name in [
+        "neutral.png",
+        "expression.png",
+        "truth/normals.png",
+        "truth/pair.json",
+        "truth/film.json",
+        "frames/0001.png",
+    ] {
         assert!(path("face").join(name).exists(), "{name}");
     }
     let marks: Landmarks = read_document(&path("face/expression-landmarks.json")).unwrap();
@@ -168,7 +183,8 @@ fn a_face_that_cannot_be_is_refused() {
     let (code, said) = rig(folder.path(), &["pair", "--face", "grin", "--out", "face"]);
     assert!(code == Some(2) && said.contains("brows-up"), "{said}");
     std::fs::write(folder.path().join("odd.json"), "{\"muscles\": {\"grin\": 1}}").unwrap();
-    let (code, said) = rig(folder.path(), &["pair", "--face", "smile", "--scenario", "odd.json", "--out", "face"]);
+    let (code, said) =
+        rig(folder.path(), &["pair", "--face", "smile", "--scenario", "odd.json", "--out", "face"]);
     assert!(code == Some(1) && said.contains("muscles.grin"), "{said}");
     let (code, said) = rig(folder.path(), &["pair", "--vertices", "5000", "--out", "face"]);
     assert!(code == Some(2) && said.contains("--face"), "{said}");

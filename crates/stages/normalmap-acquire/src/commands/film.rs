@@ -74,7 +74,10 @@ pub(super) fn frame(path: &Path, number: i64, transfer: Option<Transfer>) -> any
         Ok(())
     })?;
     found.ok_or_else(|| {
-        anyhow::anyhow!("{}: has no frame {number}\n  to do: check its length; frames count from 0", path.display())
+        anyhow::anyhow!(
+            "{}: has no frame {number}\n  to do: check its length; frames count from 0",
+            path.display()
+        )
     })
 }
 

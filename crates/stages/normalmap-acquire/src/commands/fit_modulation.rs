@@ -23,7 +23,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PATTERN|VIDEO")]
     frames: PathBuf,
     /// Only these frames, e.g. 12-40: from rest to the full expression
-    #[arg(long, value_name = "A-B", default_value = "-", hide_default_value = true, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "A-B",
+        default_value = "-",
+        hide_default_value = true,
+        allow_hyphen_values = true
+    )]
     range: FrameRange,
     /// Landmarks in each, by its number, e.g. film/{frame:04}.json
     #[arg(long, value_name = "PATTERN")]

@@ -189,7 +189,7 @@ impl Neutral {
             path.display(),
             pairs.len()
         );
-        check_crossed(&pairs, rest.face.io_px, path)?;
+        check_crossed(&pairs, [rest.face.io_px; 2], path)?;
         Ok(pairs)
     }
 
@@ -208,7 +208,12 @@ impl Neutral {
     }
 
     /// Refuses a photograph that is no one of the neutral one's camera.
-    pub(crate) fn check_alike(&self, rest: &Rest, photograph: &Photograph, path: &Path) -> anyhow::Result<()> {
+    pub(crate) fn check_alike(
+        &self,
+        rest: &Rest,
+        photograph: &Photograph,
+        path: &Path,
+    ) -> anyhow::Result<()> {
         let (here, there) = (&rest.photograph, photograph);
         let told = |p: &Photograph| format!("{} × {} pixels of {} bits", p.width, p.height, p.bits);
         let alike = (here.width, here.height, here.bits) == (there.width, there.height, there.bits);
@@ -223,8 +228,10 @@ impl Neutral {
     }
 }
 
-fn check_crossed(pairs: &[Pair], io: f64, path: &Path) -> anyhow::Result<()> {
-    let warp = normalmap_acquire::Warp::fit(pairs, io, 1e-3)?;
+/// Refuses a landmark that the others contradict; the face's size where the pairs come from, and the distance of the pupils where they
+/// lead, px.
+pub(crate) fn check_crossed(pairs: &[Pair], [scale, io]: [f64; 2], path: &Path) -> anyhow::Result<()> {
+    let warp = normalmap_acquire::Warp::fit(pairs, scale, 1e-3)?;
     let worst = (0..pairs.len()).max_by(|a, b| warp.left_out()[*a].total_cmp(&warp.left_out()[*b]));
     match worst.filter(|at| warp.left_out()[*at] > CROSSED_IO * io && pairs.len() > 6) {
         Some(at) => bail!(

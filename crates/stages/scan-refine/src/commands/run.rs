@@ -59,7 +59,13 @@ fn measured(run: &mut Run, arguments: &Arguments, mesh: &Mesh) -> anyhow::Result
     Ok(measured)
 }
 
-fn mapped(run: &mut Run, path: &Path, mesh: &Mesh, space: Space, green: GreenAxis) -> anyhow::Result<Measured> {
+fn mapped(
+    run: &mut Run,
+    path: &Path,
+    mesh: &Mesh,
+    space: Space,
+    green: GreenAxis,
+) -> anyhow::Result<Measured> {
     let picture = picture::read_rgb(path)?;
     run.input("normal map", path)?;
     let (width, height) = (picture.width, picture.height);

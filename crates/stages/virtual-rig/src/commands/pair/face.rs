@@ -101,7 +101,8 @@ fn film(
         shown.push([frame.way, frame.shown]);
         let written = write_rgb8(&out.join(format!("frames/{number:04}.png")), side, side, &frame.picture)
             .and_then(|picture| {
-                let landmarks = write_document(&out.join(format!("frames/{number:04}.json")), &frame.landmarks)?;
+                let landmarks =
+                    write_document(&out.join(format!("frames/{number:04}.json")), &frame.landmarks)?;
                 Ok([picture, landmarks])
             });
         match written {

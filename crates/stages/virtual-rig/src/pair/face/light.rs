@@ -60,11 +60,8 @@ impl Lit<'_> {
 
     fn sky(&self, scene: &Scene, scenario: &FaceScenario) -> Vec<[f32; 3]> {
         let surface = Surface { positions: self.positions, normals: self.normals, triangles: self.triangles };
-        let ambient = Ambient {
-            rays: scenario.rays,
-            cheap_rays: (scenario.rays / 8).max(16),
-            ..Ambient::default()
-        };
+        let ambient =
+            Ambient { rays: scenario.rays, cheap_rays: (scenario.rays / 8).max(16), ..Ambient::default() };
         light::shade(scene, &surface, &Plan::new(self.close, self.triangles), self.albedo, &ambient)
     }
 
@@ -137,7 +134,13 @@ mod tests {
         let normals = mesh::vertex_normals(&positions, &triangles);
         let albedo = vec![[0.5, 0.25, 0.0]; positions.len()];
         let close = vec![true; positions.len()];
-        let lit = Lit { positions: &positions, normals: &normals, triangles: &triangles, albedo: &albedo, close: &close };
+        let lit = Lit {
+            positions: &positions,
+            normals: &normals,
+            triangles: &triangles,
+            albedo: &albedo,
+            close: &close,
+        };
         lit.light(&FaceScenario { flash_share, bounces, rays: 512, ..FaceScenario::default() })
     }
 

@@ -13,8 +13,16 @@ const BROW: [[f64; 3]; 4] = [[10.0, 46.5, 61.0], [24.0, 48.5, 64.0], [38.0, 50.5
 /// The lips' border on the unrolled face, mm: half-width over that of the mouth, height over and under its line.
 const LIPS: [f64; 3] = [1.12, 9.0, 11.5];
 /// Around both nostrils on the unrolled face, mm.
-const NOSTRILS: [[f64; 2]; 8] =
-    [[-19.0, -3.0], [-14.0, 3.5], [0.0, 0.5], [14.0, 3.5], [19.0, -3.0], [12.0, -9.0], [0.0, -8.5], [-12.0, -9.0]];
+const NOSTRILS: [[f64; 2]; 8] = [
+    [-19.0, -3.0],
+    [-14.0, 3.5],
+    [0.0, 0.5],
+    [14.0, 3.5],
+    [19.0, -3.0],
+    [12.0, -9.0],
+    [0.0, -8.5],
+    [-12.0, -9.0],
+];
 
 /// Vertices by the landmark's id: `eye_l_01` … (l: the subject's left), `mouth_in_01` … around the opening, `lips_01` … around
 /// the red, `brow_l_01` …, `nostrils_01` …; then the markers by their own names.
@@ -55,7 +63,8 @@ fn openings(body: &Body) -> Vec<(Point2<f64>, Vec<u32>)> {
     let mut loops = around.boundary_loops();
     loops.sort_by_key(|vertices| std::cmp::Reverse(vertices.len()));
     let middle = |vertices: &[u32]| {
-        let sum = vertices.iter().fold(nalgebra::Vector2::zeros(), |sum, v| sum + body.domain[*v as usize].coords);
+        let sum =
+            vertices.iter().fold(nalgebra::Vector2::zeros(), |sum, v| sum + body.domain[*v as usize].coords);
         Point2::from(sum / vertices.len() as f64)
     };
     loops.into_iter().skip(1).take(3).map(|vertices| (middle(&vertices), vertices)).collect()

@@ -128,7 +128,11 @@ impl FaceScenario {
         let own = &self.degradation;
         let [least, most] = own.exposure;
         for (name, good, what) in [
-            ("muscles", self.muscles.values().all(|weight| within(*weight, 0.0, 1.5)), "must lie between 0 and 1.5"),
+            (
+                "muscles",
+                self.muscles.values().all(|weight| within(*weight, 0.0, 1.5)),
+                "must lie between 0 and 1.5",
+            ),
             ("vertices", (1000..=1_500_000).contains(&self.vertices), "must lie between 1000 and 1500000"),
             ("crease_mm", within(self.crease_mm, 0.0, 2.0), "must lie between 0 and 2 mm"),
             ("side_px", (64..=4096).contains(&self.side_px), "must lie between 64 and 4096"),
@@ -141,7 +145,11 @@ impl FaceScenario {
             ("degradation.landmark_px", within(own.landmark_px, 0.0, 20.0), "must lie between 0 and 20 px"),
             ("degradation.turn_deg", within(own.turn_deg, 0.0, 20.0), "must lie between 0 and 20 degrees"),
             ("degradation.shift_mm", within(own.shift_mm, 0.0, 50.0), "must lie between 0 and 50 mm"),
-            ("degradation.exposure", 0.0 <= least && least <= most && most <= 0.5, "must rise, from 0 to 0.5"),
+            (
+                "degradation.exposure",
+                0.0 <= least && least <= most && most <= 0.5,
+                "must rise, from 0 to 0.5",
+            ),
             ("degradation.uneven", within(own.uneven, 0.0, 0.3), "must lie between 0 and 0.3"),
             ("degradation.specular", within(own.specular, 0.0, 1.0), "must lie between 0 and 1"),
             ("degradation.blur_px", within(own.blur_px, 0.0, 10.0), "must lie between 0 and 10 px"),

@@ -107,7 +107,12 @@ struct Thing<'a> {
 impl<'a> Thing<'a> {
     fn of(prop: &'a Prop, head: &Isometry3<f64>, light: f32) -> Self {
         let points: Vec<_> = prop.mesh.positions.iter().map(|point| head * point).collect();
-        Self { triangles: prop.mesh.triangles(), light: vec![[light; 3]; points.len()], points, albedo: &prop.albedo }
+        Self {
+            triangles: prop.mesh.triangles(),
+            light: vec![[light; 3]; points.len()],
+            points,
+            albedo: &prop.albedo,
+        }
     }
 
     fn solid(&self) -> Solid<'_> {
@@ -262,7 +267,8 @@ impl FaceStudio {
             toward_key: [x, y, 1.0],
         };
         let film = Film { background: BACKGROUND, gloss: Some(gloss), ..Film::default() };
-        let moment = |normals| Moment { open: &points, close: None, middle: None, normals, irradiance: &light };
+        let moment =
+            |normals| Moment { open: &points, close: None, middle: None, normals, irradiance: &light };
         let face = Solid {
             skin: Skin { triangles: &self.body.triangles, albedo: &self.body.albedo },
             moment: moment(&normals),
@@ -285,7 +291,13 @@ impl FaceStudio {
         }
     }
 
-    fn expose(&self, face: Solid<'_>, head: &Isometry3<f64>, light: f32, film: &Film) -> Result<Exposure, Error> {
+    fn expose(
+        &self,
+        face: Solid<'_>,
+        head: &Isometry3<f64>,
+        light: f32,
+        film: &Film,
+    ) -> Result<Exposure, Error> {
         let things: Vec<Thing> = self.body.props.iter().map(|prop| Thing::of(prop, head, light)).collect();
         let props: Vec<Solid> = things.iter().map(Thing::solid).collect();
         film::expose(&self.camera, &Scene { face, layers: &self.bare, props: &props }, film)
@@ -310,7 +322,13 @@ impl FaceStudio {
         let light = vec![[1.0; 3]; colors.len()];
         let face = Solid {
             skin: Skin { triangles: &self.body.triangles, albedo: colors },
-            moment: Moment { open: &stance.wrinkled, close: None, middle: None, normals: &[], irradiance: &light },
+            moment: Moment {
+                open: &stance.wrinkled,
+                close: None,
+                middle: None,
+                normals: &[],
+                irradiance: &light,
+            },
         };
         let film = Film { background: [0.0; 3], gloss: None, ..Film::default() };
         Ok(self.expose(face, &Isometry3::identity(), 0.0, &film)?.radiance)
@@ -340,7 +358,8 @@ impl FaceStudio {
 /// Distance of the middles of the eyes, px.
 fn interocular(points: &BTreeMap<String, Landmark>) -> Option<f64> {
     let middle = |name: &str| {
-        let around: Vec<_> = points.iter().filter(|(id, _)| id.starts_with(name)).map(|(_, p)| p.at).collect();
+        let around: Vec<_> =
+            points.iter().filter(|(id, _)| id.starts_with(name)).map(|(_, p)| p.at).collect();
         let mean = |axis: usize| around.iter().map(|at| at[axis]).sum::<f64>() / around.len() as f64;
         (!around.is_empty()).then(|| [mean(0), mean(1)])
     };

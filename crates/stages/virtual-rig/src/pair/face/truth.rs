@@ -113,7 +113,8 @@ mod tests {
 
     #[test]
     fn half_the_slopes_are_half_the_wrinkles() {
-        let slopes = |part: f64| [0.4, -0.2, 0.0].map(|s: f64| Vector3::new(part * s, 0.1 * part, 1.0)).to_vec();
+        let slopes =
+            |part: f64| [0.4, -0.2, 0.0].map(|s: f64| Vector3::new(part * s, 0.1 * part, 1.0)).to_vec();
         assert!((shown(&slopes(0.5), &slopes(1.0), &[1.0, 2.0, 3.0]) - 0.5).abs() < 1e-9);
         assert_eq!(shown(&slopes(0.0), &slopes(1.0), &[1.0; 3]), 0.0);
     }
