@@ -10,7 +10,7 @@ const COHERENCE_IO: f64 = 0.02;
 /// Blotches have a coherence below the first, wrinkles above the second.
 const COHERENT: [f64; 2] = [0.2, 0.55];
 /// Skin whose normal's share towards the camera is below the first is not used, above the second wholly.
-const FACING: [f64; 2] = [0.45, 0.7];
+const FACING: [f64; 2] = [0.6, 0.8];
 
 /// The convex hull of points, in order.
 #[must_use]

@@ -9,8 +9,11 @@
 mod light;
 mod marks;
 mod params;
+mod pictures;
+mod setting;
 mod shoot;
 mod truth;
 
 pub use params::{FaceDegradation, FaceScenario};
-pub use shoot::{FacePair, FaceStudio, FaceTruth, FilmFrame};
+pub use pictures::{FacePair, FaceTruth, FilmFrame};
+pub use shoot::FaceStudio;

@@ -3,79 +3,31 @@
 use super::light::Lit;
 use super::marks::marks;
 use super::params::FaceScenario;
+use super::pictures::{FacePair, FaceTruth, FilmFrame};
+use super::setting::{TARGET_MM, Thing, about, camera, close, interocular, normal};
 use super::truth::{Folds, picture_areas, places, shown};
 use crate::Error;
-use crate::body::{Body, Fineness, MUSCLES, Prop};
+use crate::body::{Body, Fineness, MUSCLES};
 use crate::film::{self, Exposure, Film, Gloss, Grain, Moment, Scene, Sensor, Skin, Solid};
 use crate::paint::Layers;
 use crate::pair::waves::Waves;
-use crate::take::{Placement, Role};
 use crate::wrinkle::{self, Wrinkles};
 use artifact::{Landmark, Landmarks};
 use camera::Camera;
 use mesh::vertex_normals;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A pair of photographs of a face, and what is true of it.
-#[derive(Debug, Clone)]
-pub struct FacePair {
-    /// Side of all pictures, px.
-    pub side: usize,
-    /// The face at rest, 8-bit sRGB.
-    pub neutral: Vec<u8>,
-    /// With its expression.
-    pub expression: Vec<u8>,
-    /// Landmarks of the face at rest.
-    pub neutral_landmarks: Landmarks,
-    /// With its expression.
-    pub expression_landmarks: Landmarks,
-    /// True normals of the wrinkles over the face without them, in the frame of the picture at rest: x right, *y up*, z outwards;
-    /// zero where a pixel shows anything but skin.
-    pub normals: Vec<[f64; 3]>,
-    /// What was drawn.
-    pub truth: FaceTruth,
-}
-
-/// What was drawn for a pair.
-#[derive(Debug, Clone, Serialize)]
-pub struct FaceTruth {
-    /// Exposure of the expression over that at rest, slow changes over the picture apart.
-    pub exposure: f64,
-    /// The head's motion between the pictures: turn about x, y, z (rad), shift (mm).
-    pub motion: [f64; 6],
-    /// Deepest fold, mm.
-    pub deepest_mm: f64,
-}
-
-/// A picture on the way to the expression.
-#[derive(Debug, Clone)]
-pub struct FilmFrame {
-    /// 8-bit sRGB.
-    pub picture: Vec<u8>,
-    /// Its landmarks.
-    pub landmarks: Landmarks,
-    /// How far the muscles have come, 0 to 1.
-    pub way: f64,
-    /// How much of the expression's wrinkles truly shows: slopes projected onto theirs.
-    pub shown: f64,
-}
-
-/// What is no landmark of the skin, and what is at its back.
+/// What is behind the head.
 const BACKGROUND: [f32; 3] = [0.18, 0.19, 0.2];
 /// Light on eyeballs, teeth and hood.
 const PROP_LIGHT: f32 = 0.75;
 /// How narrow the sheen is.
 const SHINE: f32 = 24.0;
-/// Near a line, in widths: the light is looked at closely there.
-const CLOSE: f64 = 5.0;
 /// Finer triangles reach this far from a line, mm.
 const FINE_REACH_MM: f64 = 8.0;
-/// Where the camera looks, mm of the average face.
-const TARGET_MM: [f64; 3] = [0.0, 22.0, 60.0];
 /// A pixel shows skin only from this cover on.
 const WHOLE: f32 = 1.0 - 1e-4;
 
@@ -94,39 +46,6 @@ pub struct FaceStudio {
     exposure: f64,
     uneven: Waves,
     sheen: [f64; 2],
-}
-
-/// A thing about the face, as it is lit and where it is.
-struct Thing<'a> {
-    triangles: Vec<[u32; 3]>,
-    points: Vec<Point3<f64>>,
-    light: Vec<[f32; 3]>,
-    albedo: &'a [[f32; 3]],
-}
-
-impl<'a> Thing<'a> {
-    fn of(prop: &'a Prop, head: &Isometry3<f64>, light: f32) -> Self {
-        let points: Vec<_> = prop.mesh.positions.iter().map(|point| head * point).collect();
-        Self {
-            triangles: prop.mesh.triangles(),
-            light: vec![[light; 3]; points.len()],
-            points,
-            albedo: &prop.albedo,
-        }
-    }
-
-    fn solid(&self) -> Solid<'_> {
-        Solid {
-            skin: Skin { triangles: &self.triangles, albedo: self.albedo },
-            moment: Moment {
-                open: &self.points,
-                close: None,
-                middle: None,
-                normals: &[],
-                irradiance: &self.light,
-            },
-        }
-    }
 }
 
 /// The skin at some share of the way.
@@ -353,57 +272,4 @@ impl FaceStudio {
         let interocular_px = interocular(&points);
         Landmarks { image: None, size: Some([side, side]), interocular_px, points }
     }
-}
-
-/// Distance of the middles of the eyes, px.
-fn interocular(points: &BTreeMap<String, Landmark>) -> Option<f64> {
-    let middle = |name: &str| {
-        let around: Vec<_> =
-            points.iter().filter(|(id, _)| id.starts_with(name)).map(|(_, p)| p.at).collect();
-        let mean = |axis: usize| around.iter().map(|at| at[axis]).sum::<f64>() / around.len() as f64;
-        (!around.is_empty()).then(|| [mean(0), mean(1)])
-    };
-    let (left, right) = (middle("eye_l_")?, middle("eye_r_")?);
-    Some((left[0] - right[0]).hypot(left[1] - right[1]))
-}
-
-fn camera(scenario: &FaceScenario) -> Camera {
-    let placement = Placement {
-        role: Role::Wrinkle,
-        image_size: [scenario.side_px; 2],
-        focal_px: scenario.distance_mm / scenario.pixel_mm,
-        distance_mm: scenario.distance_mm,
-        azimuth_deg: 0.0,
-        elevation_deg: 0.0,
-        roll_deg: 0.0,
-        target_mm: TARGET_MM,
-        distortion: [0.0; 5],
-    };
-    placement.camera(&Isometry3::identity())
-}
-
-/// A turn about a point, and a shift.
-fn about(center: &Point3<f64>, [x, y, z]: [f64; 3], shift: [f64; 3]) -> Isometry3<f64> {
-    let turn = UnitQuaternion::from_euler_angles(x, y, z);
-    let back = center.coords - turn * center.coords + Vector3::from(shift);
-    Isometry3::from_parts(Translation3::from(back), turn)
-}
-
-/// Per vertex whether it lies near a line.
-fn close(wrinkles: &Wrinkles, count: usize) -> Vec<bool> {
-    let mut close = vec![false; count];
-    for line in 0..wrinkles.lines().len() {
-        let widest = wrinkles.widths(line).iter().map(|station| station.1).fold(0.0, f64::max);
-        let near = wrinkles.coordinates(line);
-        for (vertex, p) in near.vertices.iter().zip(&near.p_mm) {
-            close[*vertex as usize] |= p.abs() <= CLOSE * widest;
-        }
-    }
-    close
-}
-
-/// A number of the standard normal distribution, after Box and Muller.
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
 }
