@@ -82,8 +82,11 @@ pub(super) fn picture_areas(triangles: &[[u32; 3]], at: &[[f64; 2]]) -> Vec<f64>
 mod tests {
     use super::*;
 
+    /// Points, triangles, and where the points lie in the picture.
+    type Sheet = (Vec<Point3<f64>>, Vec<[u32; 3]>, Vec<[f64; 2]>);
+
     /// A sheet over x and y at a height, bent by a turn about y.
-    fn sheet(height: impl Fn(f64) -> f64, turn: f64) -> (Vec<Point3<f64>>, Vec<[u32; 3]>, Vec<[f64; 2]>) {
+    fn sheet(height: impl Fn(f64) -> f64, turn: f64) -> Sheet {
         let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), turn);
         let flat = |i: u32, j: u32| [f64::from(i) * 0.5 - 10.0, f64::from(j) * 0.5 - 10.0];
         let all = || (0..41).flat_map(|j| (0..41).map(move |i| (i, j)));
