@@ -10,9 +10,9 @@ use stage::Run;
 use std::path::{Path, PathBuf};
 use virtual_rig::pair::{Degradation, Groove, Pair, PairScenario, photograph};
 
-/// Photograph skin at rest and wrinkled, whose normals are known: for maps from ratio images
+/// Photograph a patch of skin at rest and wrinkled, whose normals are known: for maps from ratio images
 ///
-/// A patch of skin or, with `--face`, a whole face from the front.
+/// With `--face`, a whole face from the front.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Photograph a whole face with an expression: brows-up, frown, smile, snarl, joy, sad, disgust, surprise, fear, angry
