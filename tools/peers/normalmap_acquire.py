@@ -7,6 +7,7 @@ median of the ratio was divided out, which it does not say. The transcription of
 
 import csv
 import hashlib
+import json
 import statistics
 import time
 
@@ -22,6 +23,15 @@ STEEP_DEG = 10.0
 BORDER = 0.1
 # MediaPipe's numbers around the middle of the forehead, above the brows.
 FOREHEAD = [103, 67, 109, 10, 338, 297, 332, 334, 296, 336, 9, 107, 66, 105]
+# MediaPipe's numbers along the oval of the face, from the forehead's middle to the subject's left.
+OVAL = [10, 338, 297, 332, 284, 251, 389, 356, 454, 323, 361, 288, 397, 365, 379, 378, 400, 377, 152, 148, 176, 149, 150, 136, 172,
+        58, 132, 93, 234, 127, 162, 21, 54, 103, 67, 109]
+# The rim of the face in which no wrinkle ends: this share of its size.
+RIM = 0.88
+FACES = [("brows-up", 0), ("brows-up", 1), ("frown", 0.5), ("smile", 0)]
+FACE_SEEDS = 3
+FACE_SIZE = ["--vertices", 120000, "--side", 768]
+FILM_FRAMES = 5
 LUMA = np.array([0.0722, 0.7152, 0.2126])
 REPEATS = 3
 
@@ -40,6 +50,51 @@ def pair(ctx, kind, flash, seed):
         out.parent.mkdir(parents=True, exist_ok=True)
         ctx.run([ctx.binary("virtual-rig"), "pair", "--scenario", kind, "--flash", flash, "--seed", seed, "--out", out])
     return out
+
+
+def face(ctx, expression, flash, seed, frames=None):
+    """A pair of photographs of a whole face, and the film of the way there."""
+    folder = ctx.root / "crates" / "stages" / "virtual-rig" / "src"
+    text = b"".join(b"".join(path.read_bytes().split()) for path in sorted(folder.rglob("*.rs")) if "score" not in path.parts)
+    out = ctx.cache / f"faces-{hashlib.sha256(text).hexdigest()[:12]}" / f"{expression}_{flash}_{seed}_{frames}"
+    if not (out / "truth" / "pair.json").exists():
+        out.parent.mkdir(parents=True, exist_ok=True)
+        words = ["pair", "--face", expression, "--flash", flash, "--seed", seed, *FACE_SIZE, "--out", out]
+        ctx.run([ctx.binary("virtual-rig"), *words, *(["--frames", frames] if frames else [])])
+    return out
+
+
+def faces(ctx, seeds):
+    """Errors on whole faces, light unknown: on what is steep, and false tilts where the skin is still."""
+    steep = {name: [] for name in ("flat", "ours", "paper", "normalised")}
+    still, counted = [], []
+    for expression, flash in FACES:
+        for seed in seeds:
+            folder = face(ctx, expression, flash, seed)
+            truth = decoded(folder / "truth" / "normals.png")
+            skin = cv2.imread(str(folder / "truth" / "normals.png"), cv2.IMREAD_UNCHANGED).any(axis=2)
+            flat = flat_like(truth)
+            tilt = angles(truth, flat)
+            folds = skin & (tilt > STEEP_DEG)
+            maps = {"flat": flat, "ours": acquire(ctx, folder), **{name: acquire(ctx, folder, *args) for name, args in PAPER.items()}}
+            for name, found in maps.items():
+                steep[name].append(angles(found, truth)[folds])
+            still.append(angles(maps["ours"], flat)[skin & (tilt < 2)])
+            counted.append(angles(maps["ours"], flat)[folds] > 0.5)
+    return {name: np.concatenate(values) for name, values in steep.items()}, np.concatenate(still), np.concatenate(counted)
+
+
+def film(ctx, seed):
+    """How far the measured shares of the wrinkles are from the true ones, over the frames of a film."""
+    folder = face(ctx, "brows-up", 0, seed, FILM_FRAMES)
+    out = ctx.tmp / "theta.json"
+    words = [ctx.binary("normalmap-acquire"), "fit-modulation", "--neutral", folder / "neutral.png", "--neutral-landmarks",
+             folder / "neutral-landmarks.json", "--frames", folder / "frames" / "{frame:04}.png", "--frame-landmarks",
+             folder / "frames" / "{frame:04}.json", "--out", out]
+    ctx.run(words)
+    found = np.array(json.loads(out.read_text())["frames"])
+    truth = np.array(json.loads((folder / "truth" / "film.json").read_text())["frames"])
+    return found, truth
 
 
 def decoded(path):
@@ -125,6 +180,16 @@ def score(ctx):
     yield metric("flat_false_tilt_p90_deg", p90(skin["ours"]), 7, "lower", "deg", paper=float(p90(skin["paper"])),
                  normalised=float(p90(skin["normalised"])), seeds=len(seeds), light="unknown")
     yield paper_rel(ctx, seeds[0])
+    few = seeds[:FACE_SEEDS]
+    found, still, counted = faces(ctx, few)
+    context = {"seeds": len(few), "light": "found by the stage", "faces": len(FACES) * len(few), "table": "median, 90 %, mean on steep pixels"}
+    yield metric("face_deg", np.median(found["ours"]), None, None, "deg", **context, **table(found), steep_covered=float(counted.mean()))
+    yield metric("face_mean_vs_paper", found["ours"].mean() / found["paper"].mean(), 0.92, "lower", "ratio", **context)
+    yield metric("face_mean_vs_normalised_paper", found["ours"].mean() / found["normalised"].mean(), None, None, "ratio")
+    yield metric("face_false_tilt_p90_deg", p90(still), 4, "lower", "deg", seeds=len(few))
+    measured, true = film(ctx, seeds[0])
+    yield metric("film_shown_rms", np.sqrt(np.mean((measured[:, 1] - true[:, 1]) ** 2)), None, None, "share", frames=FILM_FRAMES,
+                 way_rms=float(np.sqrt(np.mean((measured[:, 0] - true[:, 0]) ** 2))), true=[round(float(x), 3) for x in true[:, 1]])
     yield from real(ctx)
     yield outside(ctx)
 
@@ -176,22 +241,29 @@ def photographs(ctx, subject, *args):
     return decoded(out), steps, data
 
 
-def polygon(data, subject, ids, shape):
+def rim(data, subject, shape):
+    """The face's edge: jaw, temples, hairline."""
+    inner = polygon(data, subject, OVAL, shape, RIM)
+    return polygon(data, subject, OVAL, shape, 1.0) & ~inner
+
+
+def polygon(data, subject, ids, shape, share=0.85):
     with open(data / f"{subject}_neutral.lm478.csv") as file:
         rows = list(csv.DictReader(file))
     places = np.array([[float(rows[i]["x_px"]), float(rows[i]["y_px"])] for i in ids])
     middle = places.mean(0)
     inside = np.zeros(shape, np.uint8)
-    cv2.fillPoly(inside, [np.round(middle + 0.85 * (places - middle)).astype(np.int32)], 1)
+    cv2.fillPoly(inside, [np.round(middle + share * (places - middle)).astype(np.int32)], 1)
     return inside > 0
 
 
 def real(ctx):
-    tilts, papers, misses, before = [], [], [], []
+    tilts, papers, misses, before, rims = [], [], [], [], []
     for subject in SUBJECTS:
         found, steps, data = photographs(ctx, subject)
         rest = polygon(data, subject, FOREHEAD, found.shape[:2])
         tilts.append(angles(found, flat_like(found))[rest])
+        rims.append(angles(found, flat_like(found))[rim(data, subject, found.shape[:2])])
         neutral = linear(data / f"{subject}_neutral.jpg")
         skin = region(steps)
         misses.append(blocks(neutral, steps, skin))
@@ -201,6 +273,8 @@ def real(ctx):
     join = np.concatenate
     yield metric("forehead_false_tilt_p90_deg", p90(join(tilts)), 4, "lower", "deg", normalised_paper=float(p90(join(papers))),
                  by_subject=[round(float(p90(t)), 2) for t in tilts], expression="smile")
+    yield metric("rim_false_tilt_p90_deg", p90(join(rims)), 4, "lower", "deg", by_subject=[round(float(p90(t)), 2) for t in rims],
+                 p99=float(np.quantile(join(rims), 0.99)), where=f"outside of {RIM} of the face's oval: jaw, temples, hairline")
     yield metric("registration_px", p90(join(misses)), 2.5, "lower", "px", median=float(np.median(join(misses))),
                  by_landmarks_alone_p90=float(p90(join(before))), blocks=len(join(misses)), measured="block matching of 41 px, 90 %")
 

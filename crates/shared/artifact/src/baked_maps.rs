@@ -3,6 +3,7 @@
 use crate::{Document, Kind, MeshRef, Violation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::str::FromStr;
 
 /// Which maps there are and how their values are to be read. Texture coordinates are those of the mesh, v up; row 0 of a picture is
 /// the top.
@@ -34,6 +35,32 @@ pub enum GreenAxis {
     Opengl,
     /// Down in the picture.
     Directx,
+}
+
+impl GreenAxis {
+    /// The names that programs say it by.
+    pub const NAMES: [&'static str; 2] = ["opengl", "directx"];
+
+    /// What a normal's y (up) is multiplied by before it becomes green, and green after it was decoded.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Opengl => 1.0,
+            Self::Directx => -1.0,
+        }
+    }
+}
+
+impl FromStr for GreenAxis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "opengl" => Ok(Self::Opengl),
+            "directx" => Ok(Self::Directx),
+            _ => Err("say opengl (up) or directx (down)".to_string()),
+        }
+    }
 }
 
 /// The pictures of a UDIM tile, in the same folder as the index.

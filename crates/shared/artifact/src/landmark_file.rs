@@ -35,9 +35,9 @@ pub fn read_landmarks(path: &Path) -> Result<LandmarkFile> {
     let mut landmarks = Landmarks::default();
     for (line, id, point) in points {
         if landmarks.points.insert(id.clone(), point).is_some() {
-            return Err(
-                Error::new(path, format!("landmark {id} stands here again")).at(format!("line {line}"))
-            );
+            return Err(Error::new(path, format!("landmark {id} stands here again"))
+                .at(format!("line {line}"))
+                .fix("give each landmark an id of its own"));
         }
     }
     match landmarks.points.is_empty() {
@@ -56,15 +56,19 @@ type Row = (usize, String, Landmark);
 
 fn number(path: &Path, line: usize, text: &str) -> Result<f64> {
     let parsed = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-    parsed
-        .ok_or_else(|| Error::new(path, format!("'{}' is no number", text.trim())).at(format!("line {line}")))
+    parsed.ok_or_else(|| {
+        Error::new(path, format!("'{}' is no number", text.trim()))
+            .at(format!("line {line}"))
+            .fix("mend the line, with a point as decimal mark")
+    })
 }
 
 fn place(path: &Path, line: usize, text: &str) -> Result<Landmark> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let [x, y] = words[..] else {
         return Err(Error::new(path, format!("'{}' is not x and y of a point", text.trim()))
-            .at(format!("line {line}")));
+            .at(format!("line {line}"))
+            .fix("give two numbers with a space between"));
     };
     Ok(Landmark { at: [number(path, line, x)?, number(path, line, y)?], depth_px: None })
 }
@@ -82,9 +86,10 @@ fn template(path: &Path, text: &str) -> Result<Vec<Row>> {
     })?;
     (0..count)
         .map(|index| {
-            let (line, text) = lines
-                .next()
-                .ok_or_else(|| Error::new(path, format!("has {index} points, not {count} as it says")))?;
+            let (line, text) = lines.next().ok_or_else(|| {
+                Error::new(path, format!("has {index} points, not {count} as it says"))
+                    .fix("save the template from WebMorph again")
+            })?;
             Ok((line, index.to_string(), place(path, line, text)?))
         })
         .collect()
@@ -133,6 +138,7 @@ fn table(path: &Path, text: &str) -> Result<(Vec<Row>, bool)> {
             cells.get(column).copied().ok_or_else(|| {
                 Error::new(path, format!("has {} columns, not {}", cells.len(), header.len()))
                     .at(format!("line {line}"))
+                    .fix("give each line what the first one names")
             })
         };
         let at = [number(path, line, cell(x)?)?, number(path, line, cell(y)?)?];

@@ -63,6 +63,23 @@ pub fn read_photograph(path: &Path, stated: Option<Transfer>) -> Result<Photogra
     Ok(Photograph { width, height, bits, luminance, clipped, codes, turned })
 }
 
+impl Photograph {
+    /// A frame of a video: 8-bit RGB, row after row, whose codes mean what is stated, else sRGB.
+    ///
+    /// # Panics
+    /// If the bytes do not fill the picture: that is a bug of the caller.
+    #[must_use]
+    pub fn of_rgb8(width: usize, height: usize, rgb: &[u8], stated: Option<Transfer>) -> Self {
+        assert_eq!(rgb.len(), 3 * width * height, "three bytes a pixel");
+        let (luminance, clipped) = per_pixel(rgb, u8::MAX.into(), &plain(stated.unwrap_or(Transfer::Srgb)));
+        let codes = match stated {
+            Some(transfer) => format!("{transfer}, as stated"),
+            None => "sRGB, assumed of a video".to_string(),
+        };
+        Self { width, height, bits: 8, luminance, clipped, codes, turned: false }
+    }
+}
+
 mod table {
     use super::{END, Profile};
 
@@ -88,6 +105,12 @@ mod table {
     }
 }
 
+/// Channels of sRGB's colours that mean what a transfer function says.
+fn plain(transfer: Transfer) -> Profile {
+    let curve = Curve::Table((0..=65535).map(|code| transfer.light(f64::from(code) / 65535.0)).collect());
+    Profile { curves: [curve.clone(), curve.clone(), curve], luma: LUMA }
+}
+
 /// What codes mean, and how that is known.
 fn meaning(
     path: &Path,
@@ -95,12 +118,8 @@ fn meaning(
     icc: Option<&[u8]>,
     stated: Option<Transfer>,
 ) -> Result<(Profile, String)> {
-    let table = |transfer: Transfer| {
-        let curve = Curve::Table((0..=65535).map(|code| transfer.light(f64::from(code) / 65535.0)).collect());
-        Profile { curves: [curve.clone(), curve.clone(), curve], luma: LUMA }
-    };
     if let Some(transfer) = stated {
-        return Ok((table(transfer), format!("{transfer}, as stated")));
+        return Ok((plain(transfer), format!("{transfer}, as stated")));
     }
     if let Some(icc) = icc {
         let profile = parse(icc).map_err(|what| {
@@ -110,8 +129,8 @@ fn meaning(
         return Ok((profile, "its ICC profile".to_string()));
     }
     match png_gamma(bytes) {
-        Some(gamma) => Ok((table(Transfer::Gamma(gamma)), format!("its gamma of {gamma:.3}"))),
-        None => Ok((table(Transfer::Srgb), "sRGB, assumed: the file does not say".to_string())),
+        Some(gamma) => Ok((plain(Transfer::Gamma(gamma)), format!("its gamma of {gamma:.3}"))),
+        None => Ok((plain(Transfer::Srgb), "sRGB, assumed: the file does not say".to_string())),
     }
 }
 

@@ -22,6 +22,29 @@ fn patch(cells: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
     shapes::relief(cells, 20.0 / f64::from(cells), height)
 }
 
+/// The patch as a character whose only bone moves nothing, in metres.
+fn character(path: &Path, mesh: &Mesh) {
+    use artifact::gltf::{Character, Node, Placement, SkinnedMesh, write};
+    let triangles: Vec<[u32; 3]> = mesh.triangles();
+    let mut uvs = vec![[0.0; 2]; mesh.positions.len()];
+    for (vertex, uv) in mesh.polygons.corners().iter().zip(&mesh.corner_uvs) {
+        let uv = mesh.uvs[*uv as usize];
+        uvs[*vertex as usize] = [uv.x, 1.0 - uv.y];
+    }
+    let skin = SkinnedMesh {
+        name: "skin".into(),
+        positions: mesh.positions.iter().map(|point| point * 1e-3).collect(),
+        uvs,
+        triangles,
+        joints: vec![0],
+        inverse_bind: vec![nalgebra::Matrix4::identity()],
+        influences: vec![vec![(0, 1.0)]; mesh.positions.len()],
+    };
+    let nodes = vec![Node { name: "head".into(), parent: None, rest: Placement::default() }];
+    let character = Character { nodes, meshes: vec![skin], animations: Vec::new() };
+    write(path, &character).and_then(Staged::publish).expect("a character");
+}
+
 fn groove(x: f64, _: f64) -> f64 {
     -0.4 * (-0.5 * (x - 10.0).powi(2)).exp()
 }
@@ -167,4 +190,26 @@ fn refuses_what_does_not_fit() {
 fn help_reads_well() {
     let output = command(Path::new(".")).arg("--help").env("COLUMNS", "100").output().expect("it runs");
     insta::assert_snapshot!(String::from_utf8(output.stdout).expect("text"));
+}
+
+#[test]
+fn a_character_takes_the_same_maps_as_its_mesh() {
+    let folder = scene();
+    character(&folder.path().join("low.glb"), &patch(4, |_, _| 0.0));
+    let normals = |low: &str, out: &str| {
+        let words = ["--low", low, "--high", "high.obj", "--unit", "cm", "--size", "64", "--out", out];
+        command(folder.path()).args(words).assert().success();
+        let map = picture::read_rgb(&folder.path().join(out).join("normal.png")).expect("a map");
+        (0..64 * 64).map(|i| map.at(i % 64, i / 64)).collect::<Vec<[f64; 3]>>()
+    };
+    let (mesh, character) = (normals("low.obj", "by-mesh"), normals("low.glb", "by-character"));
+    // A GLB holds single precision.
+    let apart = mesh.iter().zip(&character).flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
+    assert!(apart.fold(0.0, f64::max) < 1e-3);
+    let words =
+        ["--low", "low.glb", "--low-mesh", "hand", "--high", "high.obj", "--unit", "cm", "--out", "no"];
+    let said = command(folder.path()).args(words).output().expect("it ran");
+    let said = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert!(said.contains("low.glb") && said.contains("--low-mesh knows skin"), "{said}");
+    assert!(!folder.path().join("no").exists());
 }

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::flow::refined;
 use crate::frame::Frame;
+use crate::hair::bare;
 use crate::light::estimated_light;
 use crate::mask::{coherence, facing, feathered};
 use crate::normals::{mixed, over, tilted};
@@ -190,6 +191,10 @@ impl Work {
         let usable = here.with(&there, |a, b| a * b).with(&covered, |a, b| a * b);
         let usable = usable.with(&folds, |usable, fold| usable * (1.0 - fold));
         let weight = usable.with(&outline, |usable, inside| usable * inside);
+        let weight = match region.masks {
+            true => weight.with(&bare(&light, &weight, face.io_px), |weight, bare| weight * bare),
+            false => weight,
+        };
         if count(&weight) < 64 {
             return Err(Error::NothingToCompare {
                 why: "too few are lit and unclipped in both photographs",

@@ -38,6 +38,51 @@ pub(crate) fn weighted(plane: &Plane, weight: &Plane, sigma: f64) -> Plane {
     values.with(&weights, |value, weight| if weight > 1e-6 { value / weight } else { 0.0 })
 }
 
+/// Planes count no more than this share of the kernel's own spread where few pixels tell of them.
+const STIFF: f64 = 0.05;
+
+/// At each pixel the value of the plane that comes nearest to the picture around it, weighted by a mask and a Gaussian: as
+/// [`weighted`], but right also at a mask's border, where all that counts lies to one side.
+#[must_use]
+pub(crate) fn leaning(plane: &Plane, weight: &Plane, sigma: f64) -> Plane {
+    let (width, height) = (plane.width, plane.height);
+    let x = |index: usize| ((index % width) as f64 - 0.5 * width as f64) / sigma;
+    let y = |index: usize| ((index / width) as f64 - 0.5 * height as f64) / sigma;
+    let moment = |of: &(dyn Fn(usize) -> f64 + Sync)| {
+        let product = Plane::from_fn(width, height, |column, row| {
+            let index = row * width + column;
+            weight.values[index] * of(index)
+        });
+        blurred(&product, sigma)
+    };
+    let value = |index: usize| plane.values[index];
+    let sums = [
+        moment(&|_| 1.0),
+        moment(&x),
+        moment(&y),
+        moment(&|i| x(i) * x(i)),
+        moment(&|i| x(i) * y(i)),
+        moment(&|i| y(i) * y(i)),
+        moment(&value),
+        moment(&|i| x(i) * value(i)),
+        moment(&|i| y(i) * value(i)),
+    ];
+    Plane::from_fn(width, height, |column, row| {
+        let index = row * width + column;
+        let total = sums[0].values[index];
+        if total <= 1e-6 {
+            return 0.0;
+        }
+        let [mx, my, xx, xy, yy, mean, xv, yv] = std::array::from_fn(|k| sums[k + 1].values[index] / total);
+        // Covariances; the plane is laid through the mean.
+        let (a, b, c) = (xx - mx * mx + STIFF, xy - mx * my, yy - my * my + STIFF);
+        let (p, q) = (xv - mx * mean, yv - my * mean);
+        let area = a * c - b * b;
+        let slope = [(p * c - q * b) / area, (q * a - p * b) / area];
+        mean + slope[0] * (x(index) - mx) + slope[1] * (y(index) - my)
+    })
+}
+
 /// Means of two by two pixels; an odd last one counts alone.
 pub(crate) fn halved(plane: &Plane) -> Plane {
     let (width, height) = (plane.width.div_ceil(2), plane.height.div_ceil(2));

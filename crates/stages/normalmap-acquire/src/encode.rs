@@ -1,22 +1,12 @@
 //! Normals and heights as code values.
 
 use crate::plane::Plane;
-
-/// Which way green points in a map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Green {
-    /// Up, as OpenGL has it.
-    #[default]
-    Opengl,
-    /// Down, as DirectX has it.
-    Directx,
-}
+use artifact::GreenAxis;
 
 /// Codes of unit normals (x right, y up): `(n + 1)/2`, red, green, blue of each pixel, from 0 to `white`.
 #[must_use]
-pub fn normal_codes(normals: &[Plane; 3], green: Green, white: f64) -> Vec<f64> {
-    let sign = if green == Green::Opengl { 1.0 } else { -1.0 };
+pub fn normal_codes(normals: &[Plane; 3], green: GreenAxis, white: f64) -> Vec<f64> {
+    let sign = green.sign();
     let code = |value: f64| ((0.5 * value + 0.5).clamp(0.0, 1.0) * white).round();
     let [x, y, z] = normals;
     let pixels = x.values.iter().zip(&y.values).zip(&z.values);
@@ -25,8 +15,8 @@ pub fn normal_codes(normals: &[Plane; 3], green: Green, white: f64) -> Vec<f64> 
 
 /// The normal of codes given as shares of white.
 #[must_use]
-pub fn normal_of([r, g, b]: [f64; 3], green: Green) -> [f64; 3] {
-    let sign = if green == Green::Opengl { 1.0 } else { -1.0 };
+pub fn normal_of([r, g, b]: [f64; 3], green: GreenAxis) -> [f64; 3] {
+    let sign = green.sign();
     let raw = [2.0 * r - 1.0, sign * (2.0 * g - 1.0), 2.0 * b - 1.0];
     let length = raw.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
     raw.map(|x| x / length)

@@ -10,7 +10,7 @@ const COHERENCE_IO: f64 = 0.02;
 /// Blotches have a coherence below the first, wrinkles above the second.
 const COHERENT: [f64; 2] = [0.2, 0.55];
 /// Skin whose normal's share towards the camera is below the first is not used, above the second wholly.
-const FACING: [f64; 2] = [0.5, 0.75];
+const FACING: [f64; 2] = [0.6, 0.8];
 
 /// The convex hull of points, in order.
 #[must_use]
@@ -82,7 +82,7 @@ pub(crate) fn facing(normal_z: &Plane) -> Plane {
 }
 
 /// 0 below the first, 1 above the second, smooth between.
-fn ramp(value: f64, [low, high]: [f64; 2]) -> f64 {
+pub(crate) fn ramp(value: f64, [low, high]: [f64; 2]) -> f64 {
     let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
 }

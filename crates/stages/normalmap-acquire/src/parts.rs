@@ -11,8 +11,9 @@ const MESH: [(&[u16], f64); 5] = [
     (&[70, 63, 105, 66, 107, 55, 65, 52, 53, 46], 0.03),
     (&[300, 293, 334, 296, 336, 285, 295, 282, 283, 276], 0.03),
 ];
-/// Its nostrils.
-const MESH_NOSTRILS: (&[u16], f64) = (&[98, 97, 2, 326, 327, 294, 278, 344, 1, 115, 48, 64], 0.02);
+/// Its nostrils, and the tip of the nose, whose highlight wanders as the lips pull at it.
+const MESH_NOSTRILS: (&[u16], f64) =
+    (&[98, 97, 2, 326, 327, 294, 278, 344, 1, 115, 48, 64, 4, 5, 45, 275], 0.03);
 /// Its inner line of the lips: an open mouth tears it from the outer one.
 const MESH_INNER_LIPS: [u16; 20] =
     [78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308, 324, 318, 402, 317, 14, 87, 178, 88, 95];
@@ -27,6 +28,18 @@ const IBUG: [(&[u16], f64); 5] = [
     (&[18, 19, 20, 21, 22], 0.06),
     (&[23, 24, 25, 26, 27], 0.06),
 ];
+
+/// Names of landmarks around parts, before a number: `eye_l_01` … is a line around the subject's left eye.
+const NAMED: [(&str, f64); 6] = [
+    ("lips_", 0.03),
+    ("eye_l_", 0.09),
+    ("eye_r_", 0.09),
+    ("brow_edge_l_", 0.02),
+    ("brow_edge_r_", 0.02),
+    ("nostrils_", 0.03),
+];
+/// Those of the opening of the mouth, which tears from the skin around.
+const NAMED_MOUTH: &str = "mouth_in_";
 
 /// What is known of a set of landmarks.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,7 +59,8 @@ fn names(ids: &[u16]) -> Vec<String> {
 }
 
 impl Scheme {
-    /// The scheme of a set of ids: MediaPipe's mesh (`0` … `467`, `477`), ibug's (`1` … `68`), or none.
+    /// The scheme of a set of ids: MediaPipe's mesh (`0` … `467`, `477`), ibug's (`1` … `68`), WebMorph's (`0` … `188`), ids that name
+    /// parts (`eye_l_01`, `lips_01`, `brow_edge_r_01`, `nostrils_01`, `mouth_in_01`), or none.
     #[must_use]
     pub fn of<'a>(ids: impl Iterator<Item = &'a str> + Clone) -> Self {
         let all = |range: std::ops::RangeInclusive<u16>| {
@@ -75,8 +89,29 @@ impl Scheme {
                 eyes,
             };
         }
+        if let Some(scheme) = Self::named(ids.clone()) {
+            return scheme;
+        }
         // WebMorph's templates begin with the pupils.
         let eyes = if all(0..=188) { [names(&[0]), names(&[1])] } else { [vec![], vec![]] };
         Self { name: all(0..=188).then_some("webmorph"), eyes, ..Self::default() }
+    }
+
+    /// The scheme of ids that name parts, if any does.
+    fn named<'a>(ids: impl Iterator<Item = &'a str> + Clone) -> Option<Self> {
+        let around = |prefix: &str| -> Vec<String> {
+            ids.clone().filter(|id| id.starts_with(prefix)).map(str::to_string).collect()
+        };
+        let parts: Vec<Part> = NAMED
+            .iter()
+            .map(|(prefix, out)| (around(prefix), *out))
+            .filter(|(ids, _)| ids.len() > 2)
+            .collect();
+        (!parts.is_empty()).then(|| Self {
+            name: Some("named parts"),
+            parts,
+            loose: around(NAMED_MOUTH),
+            eyes: [around("eye_l_"), around("eye_r_")],
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! The ratio image, and the exposure in it that is none of the wrinkles'.
 
-use crate::blur::{blurred, weighted};
+use crate::blur::{blurred, leaning};
 use crate::params::{Exposure, Params};
 use crate::plane::{Plane, median};
 
@@ -44,7 +44,8 @@ pub(crate) fn counted<'a>(plane: &'a Plane, weight: &'a Plane) -> impl Iterator<
     plane.values.iter().zip(&weight.values).filter(|(_, weight)| **weight > 0.5).map(|(value, _)| value)
 }
 
-/// A smooth exposure that follows the skin, not its wrinkles. It is smooth enough to be found over a coarser picture.
+/// A smooth exposure that follows the skin, not its wrinkles; also where it falls towards the region's border, as shading does
+/// at the jaw. It is smooth enough to be found over a coarser picture.
 fn local(log: &Plane, weight: &Plane, middle: f64, sigma: f64) -> Plane {
     if sigma > 16.0 && log.width.min(log.height) > 64 {
         let coarse_weight = crate::blur::halved(weight);
@@ -62,7 +63,7 @@ fn local(log: &Plane, weight: &Plane, middle: f64, sigma: f64) -> Plane {
         let spread = 1.4826 * median(counted(&off.map(f64::abs), weight)) + 1e-6;
         let doubt = |off: f64| off / if off < 0.0 { spread } else { ABOVE * spread };
         let trust = off.with(weight, |off, weight| weight / (1.0 + doubt(off).powi(FALL)));
-        exposure = weighted(log, &trust, sigma);
+        exposure = leaning(log, &trust, sigma);
     }
     exposure
 }

@@ -33,7 +33,7 @@ pub fn textured(
     height: usize,
     smoothing: f64,
 ) -> Result<Textured, Error> {
-    let scale = spread(pairs);
+    let scale = texture_spread(pairs);
     let field = Field::of(&Warp::fit(pairs, scale, smoothing)?, [0, 0], width, height);
     let size = [found.weight.width, found.weight.height];
     let covered = field.covered(size[0], size[1]);
@@ -78,8 +78,9 @@ pub fn textured(
     })
 }
 
-/// Root mean square distance of the landmarks from their middle.
-fn spread(pairs: &[Pair]) -> f64 {
+/// Root mean square distance of the landmarks from their middle in the texture, texels.
+#[must_use]
+pub fn texture_spread(pairs: &[Pair]) -> f64 {
     let count = pairs.len().max(1) as f64;
     let middle = [0, 1].map(|axis| pairs.iter().map(|pair| pair.from[axis]).sum::<f64>() / count);
     let square = |pair: &Pair| (pair.from[0] - middle[0]).powi(2) + (pair.from[1] - middle[1]).powi(2);

@@ -121,6 +121,14 @@ fn nothing_changes_outside_a_mask_and_a_texture_takes_the_map() {
     let reds: Vec<f64> = (20..80).map(|column| map.at(column, 78)[0]).collect();
     let (low, high) = reds.iter().fold((1.0f64, 0.0f64), |(low, high), red| (low.min(*red), high.max(*red)));
     assert!(low < 0.45 && high > 0.55, "{low} {high}");
+    // A landmark on another chart would tear the map.
+    let stray = rows.replace("p8,0.7,0.7", "p8,0.1,0.95");
+    assert_ne!(stray, rows);
+    std::fs::write(folder.path().join("uv.csv"), format!("id,u,v\n{stray}")).unwrap();
+    std::fs::remove_file(folder.path().join("out.png")).unwrap();
+    mark(folder.path(), "rest.json", |marks| marks.interocular_px = Some(60.0));
+    let said = refused(folder.path(), &["--texture-landmarks", "uv.csv", "--texture-size", "128"]);
+    assert!(said.contains("uv.csv, landmark p"), "{said}");
 }
 
 #[test]
@@ -222,6 +230,62 @@ fn a_film_tells_how_wrinkles_come() {
     assert_eq!(curve.last().unwrap()[1], 1.0);
     let middle = found["frames"][2][1].as_f64().unwrap();
     assert!((0.05..0.5).contains(&middle), "{middle}");
+    let run = Command::cargo_bin("normalmap-acquire")
+        .unwrap()
+        .current_dir(path)
+        .args(words)
+        .args(film)
+        .args(["--range", "2-4", "--by", "frames", "--maps", "maps/{frame}.png"])
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let found: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(path.join("theta.json")).unwrap()).unwrap();
+    assert_eq!(found["frames"].as_array().unwrap().len(), 3);
+    assert_eq!(found["frames"][1][0], 0.5);
+    assert!(path.join("maps/2.png").exists() && !path.join("maps/1.png").exists());
+}
+
+#[test]
+fn a_film_may_begin_with_the_neutral_picture_itself() {
+    let folder = scene();
+    let path = folder.path();
+    for (frame, depth) in [0.0, 0.1, 0.2, 0.35].into_iter().enumerate() {
+        paint(path, &format!("film{frame}.png"), &skin(depth));
+        mark(path, &format!("film{frame}.json"), |marks| {
+            marks.points.get_mut("p4").unwrap().at[1] += frame as f64;
+        });
+    }
+    let run = Command::cargo_bin("normalmap-acquire")
+        .unwrap()
+        .current_dir(path)
+        .args(["fit-modulation", "--neutral", "film0.png", "--neutral-landmarks", "film0.json"])
+        .args(["--frames", "film{frame}.png", "--frame-landmarks", "film{frame}.json", "--out", "theta.json"])
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let found: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(path.join("theta.json")).unwrap()).unwrap();
+    let shares: Vec<f64> = (0..4).map(|i| found["frames"][i][1].as_f64().unwrap()).collect();
+    assert!(shares[0] == 0.0 && shares[3] == 1.0 && shares.is_sorted(), "{shares:?}");
+}
+
+#[cfg(not(feature = "video"))]
+#[test]
+fn a_video_is_refused_by_a_build_without_videos() {
+    let folder = scene();
+    std::fs::write(folder.path().join("film.mp4"), b"film").unwrap();
+    let run = Command::cargo_bin("normalmap-acquire")
+        .unwrap()
+        .current_dir(folder.path())
+        .args(["fit-modulation", "--neutral", "rest.png", "--neutral-landmarks", "rest.json"])
+        .args(["--frames", "film.mp4", "--frame-landmarks", "film{frame}.json", "--out", "theta.json"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(1));
+    assert!(said.contains("film.mp4") && said.contains("--features video"), "{said}");
+    assert!(!folder.path().join("theta.json").exists());
 }
 
 #[test]
@@ -233,4 +297,5 @@ fn help_reads_well() {
     };
     insta::assert_snapshot!("help", help(&[]));
     insta::assert_snapshot!("acquire-help", help(&["acquire"]));
+    insta::assert_snapshot!("fit-modulation-help", help(&["fit-modulation"]));
 }

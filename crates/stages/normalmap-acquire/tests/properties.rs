@@ -1,9 +1,10 @@
 //! Laws: unit normals, codes, surfaces from slopes, warps, what exposure does not change.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests may")]
 
+use artifact::GreenAxis;
 use normalmap_acquire::{
-    Face, Green, Light, Mode, Pair, Params, Photo, Plane, Region, Warp, acquire, estimated_light,
-    fit_modulation, integrated, normal_codes, normal_of, paper_normals,
+    Face, Light, Mode, Pair, Params, Photo, Plane, Region, Warp, acquire, estimated_light, fit_modulation,
+    integrated, normal_codes, normal_of, paper_normals,
 };
 use proptest::prelude::*;
 
@@ -66,7 +67,7 @@ proptest! {
     fn codes_come_back_within_their_step(x in -0.7..0.7, y in -0.7..0.7) {
         let z = f64::sqrt(1.0 - x * x - y * y);
         let normal = [x, y, z].map(|value| Plane::filled(1, 1, value));
-        for green in [Green::Opengl, Green::Directx] {
+        for green in [GreenAxis::Opengl, GreenAxis::Directx] {
             let codes = normal_codes(&normal, green, 255.0);
             let back = normal_of([codes[0] / 255.0, codes[1] / 255.0, codes[2] / 255.0], green);
             for (value, wanted) in back.iter().zip([x, y, z]) {

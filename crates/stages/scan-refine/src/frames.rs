@@ -1,7 +1,7 @@
 //! Tangent frames of a mesh.
 
-use crate::map::Green;
 use crate::sampling::Corners;
+use artifact::GreenAxis;
 use mesh::Mesh;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ impl Frames {
     /// The normals are the vertices'; a tangent is the mean of ∂x/∂u over the triangles around a vertex that share its texture
     /// coordinate and their orientation there, weighted by angle and made perpendicular to the normal. The bitangent completes the
     /// frame along growing v, or against it where green points down.
-    pub(crate) fn of(mesh: &Mesh, corners: &Corners, normals: &[Vector3<f64>], green: Green) -> Self {
+    pub(crate) fn of(mesh: &Mesh, corners: &Corners, normals: &[Vector3<f64>], green: GreenAxis) -> Self {
         let mut tangents: BTreeMap<Key, Vector3<f64>> = BTreeMap::new();
         let mut keys = Vec::with_capacity(corners.vertices.len());
         for triangle in 0..corners.vertices.len() {
@@ -25,7 +25,7 @@ impl Frames {
             }
             keys.push(key);
         }
-        let up = if green == Green::Up { 1.0 } else { -1.0 };
+        let up = green.sign();
         let frame = |key: Key| {
             let normal = normals[key.0 as usize];
             let sum = tangents.get(&key).copied().unwrap_or_else(Vector3::x);

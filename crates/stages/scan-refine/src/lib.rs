@@ -29,7 +29,7 @@ mod sampling;
 mod surface;
 
 pub use error::{Error, Space};
-pub use map::{Green, NormalMap};
+pub use map::NormalMap;
 pub use measured::Measured;
 pub use params::{Params, crossover_of_lambda};
 pub use refine::{Refined, Report, refine};

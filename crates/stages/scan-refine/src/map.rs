@@ -3,17 +3,9 @@
 use crate::frames::Frames;
 use crate::sampling::{Corners, corners, sample};
 use crate::{Error, Measured, Space};
+use artifact::GreenAxis;
 use mesh::{Mesh, NO_UV};
 use nalgebra::{Vector2, Vector3};
-
-/// Which way green points in a tangent-space map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Green {
-    /// OpenGL: along growing v, up in the picture.
-    Up,
-    /// DirectX: down in the picture.
-    Down,
-}
 
 /// A picture of unit vectors, `n = 2 c − 1` of its code values as shares of white; never sRGB. Row 0 is the top, where v = 1;
 /// coordinates beyond the unit square repeat it.
@@ -96,7 +88,7 @@ impl NormalMap {
     /// # Errors
     /// [`Error::NoTextureCoordinates`]; [`Error::NothingMeasured`] where no vertex falls on a set texel; [`Error::Flat`];
     /// [`Error::OtherSpace`] where the map fits the scan in the other space; [`Error::Disagree`] where in neither.
-    pub fn measure(&self, mesh: &Mesh, space: Space, green: Green) -> Result<Measured, Error> {
+    pub fn measure(&self, mesh: &Mesh, space: Space, green: GreenAxis) -> Result<Measured, Error> {
         if mesh.corner_uvs.iter().all(|&uv| uv == NO_UV) {
             return Err(Error::NoTextureCoordinates);
         }

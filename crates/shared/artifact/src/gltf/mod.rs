@@ -13,8 +13,9 @@ mod write;
 
 pub use write::write;
 
-use crate::{Error, Result};
-use nalgebra::{Matrix4, Point3, UnitQuaternion, Vector3};
+use crate::{Error, Result, Unit};
+use mesh::{Mesh, Polygons};
+use nalgebra::{Matrix4, Point3, UnitQuaternion, Vector2, Vector3};
 use std::path::Path;
 
 /// A skinned character.
@@ -87,6 +88,25 @@ pub struct SkinnedMesh {
     /// Per vertex its bones (indices into `joints`, rising) and their weights, positive, of sum 1; empty where nothing moves
     /// the vertex.
     pub influences: Vec<Vec<(usize, f64)>>,
+}
+
+impl SkinnedMesh {
+    /// The mesh where it was bound, in millimetres, its texture coordinates with v up.
+    #[must_use]
+    pub fn bound(&self, unit: Unit) -> Mesh {
+        let mut polygons = Polygons::default();
+        self.triangles.iter().for_each(|triangle| polygons.push(triangle));
+        let corners = self.triangles.iter().flatten().copied();
+        let mut mesh = Mesh {
+            positions: self.positions.clone(),
+            polygons,
+            uvs: self.uvs.iter().map(|[u, v]| Vector2::new(*u, 1.0 - v)).collect(),
+            corner_uvs: if self.uvs.is_empty() { Vec::new() } else { corners.collect() },
+            ..Mesh::default()
+        };
+        mesh.scale(unit.in_mm());
+        mesh
+    }
 }
 
 /// A clip of motion.

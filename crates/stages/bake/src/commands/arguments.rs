@@ -2,7 +2,8 @@
 
 use artifact::{GreenAxis, Unit};
 use bake::Params;
-use clap::{ArgGroup, Parser, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{ArgGroup, Parser};
 use std::path::PathBuf;
 
 /// Bake a wrinkled mesh into normal and displacement maps of a low-resolution mesh
@@ -14,12 +15,16 @@ use std::path::PathBuf;
           bake --low FILE --mesh FILE --wrinkled FILE --frame N [--large-scale FILE] --out FOLDER",
           group = ArgGroup::new("relief").required(true).args(["high", "wrinkled"]))]
 pub(crate) struct Arguments {
-    /// Low-resolution mesh with texture coordinates (.obj)
+    /// Low-resolution mesh with texture coordinates (.obj), or a skinned character where it was bound (.glb, .gltf); normals in the
+    /// file are not read: skin is smooth, but for smoothing groups
     #[arg(long, value_name = "FILE")]
     pub(crate) low: PathBuf,
-    /// Unit of the low-resolution mesh, where it is another than that of the wrinkled one
+    /// Unit of the low-resolution mesh [default: that of the wrinkled one; m for .glb and .gltf]
     #[arg(long, value_name = "UNIT")]
     pub(crate) low_unit: Option<Unit>,
+    /// Mesh of the character that is baked onto [default: that of the most vertices]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) low_mesh: Option<String>,
     /// Wrinkled mesh (.obj, .ply)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["mesh", "frame", "large_scale"])]
     pub(crate) high: Option<PathBuf>,
@@ -54,8 +59,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = Params::default().padding)]
     pub(crate) padding: usize,
     /// Which way green points
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) green: Green,
+    #[arg(long, value_name = "GREEN", default_value = "opengl", value_parser = green())]
+    pub(crate) green: GreenAxis,
     /// Bits of the normal maps
     #[arg(long, value_name = "BITS", value_parser = ["8", "16"], default_value = "16")]
     pub(crate) bits: String,
@@ -66,27 +71,17 @@ pub(crate) struct Arguments {
     pub(crate) common: stage::Common,
 }
 
-/// Which way green points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(crate) enum Green {
-    /// Up in the picture (Blender, Unity, glTF)
-    #[default]
-    Opengl,
-    /// Down in the picture (Unreal)
-    Directx,
-}
-
-impl From<Green> for GreenAxis {
-    fn from(green: Green) -> Self {
-        match green {
-            Green::Opengl => Self::Opengl,
-            Green::Directx => Self::Directx,
-        }
-    }
-}
-
 impl stage::Arguments for Arguments {
     fn common(&self) -> &stage::Common {
         &self.common
     }
+}
+
+/// The ways that green may point, for the help.
+fn green() -> impl TypedValueParser<Value = GreenAxis> {
+    let known = [
+        PossibleValue::new("opengl").help("Up in the picture (Blender, Unity, glTF)"),
+        PossibleValue::new("directx").help("Down in the picture (Unreal)"),
+    ];
+    PossibleValuesParser::new(known).try_map(|name| name.parse::<GreenAxis>())
 }

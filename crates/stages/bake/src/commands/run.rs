@@ -25,7 +25,7 @@ pub(crate) fn run(run: &mut Run, arguments: Arguments) -> anyhow::Result<()> {
     let Arguments { size, samples, reach_mm, padding, frame, .. } = arguments;
     let params = Params { size, samples, reach_mm, padding };
     params.check()?;
-    let green = arguments.green.into();
+    let green = arguments.green;
     run.parameters(&Parameters { params: &params, frame, green, bits: &arguments.bits })?;
     let surfaces = input::read(run, &arguments)?;
     let index = arguments.out.join("maps.json");
@@ -86,15 +86,14 @@ fn write(
         displacement: named("displacement", "png"),
     };
     let (size, at) = (tile.size, |name: &str| arguments.out.join(name));
-    let directx = arguments.green == super::arguments::Green::Directx;
     staged.push(match arguments.bits == "8" {
         true => {
-            let codes = normal_codes(&tile.normals, Bits::Eight, directx);
+            let codes = normal_codes(&tile.normals, Bits::Eight, arguments.green);
             let codes: Vec<u8> = codes.into_iter().map(|code| code as u8).collect();
             picture::write_rgb8(&at(&entry.normal), size, size, &codes)?
         }
         false => {
-            let codes = normal_codes(&tile.normals, Bits::Sixteen, directx);
+            let codes = normal_codes(&tile.normals, Bits::Sixteen, arguments.green);
             picture::write_rgb16(&at(&entry.normal), size, size, &codes)?
         }
     });

@@ -1,11 +1,11 @@
 //! One normal map from two photographs.
 
-use super::inputs::{Neutral, Rest, landmarks, photo};
+use super::inputs::{Neutral, Rest, check_crossed, landmarks, photo};
 use super::options::Options;
 use super::output::Output;
 use anyhow::{bail, ensure};
 use artifact::read_landmarks;
-use normalmap_acquire::{Acquired, Face, Pair, acquire, textured};
+use normalmap_acquire::{Acquired, Face, Pair, acquire, texture_spread, textured};
 use serde_json::json;
 use stage::Run;
 use std::path::{Path, PathBuf};
@@ -69,6 +69,12 @@ pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
             let side = arguments.texture.texture_size as usize;
             let map = run.timed("texture", || textured(&found, &pairs, side, side, region.smoothing))?;
             run.result("texture_folded_px", map.folded);
+            if map.folded > 0 {
+                run.warn(format!(
+                    "the warp into the texture folds over {} texels, which stay flat: its landmarks there contradict each other",
+                    map.folded
+                ));
+            }
             (map.normals, found.height.is_some().then_some(map.height))
         }
     };
@@ -139,6 +145,7 @@ impl Texture {
             pairs.len()
         );
         self.check_inside(&pairs, path)?;
+        check_crossed(&pairs, [texture_spread(&pairs), rest.face.io_px], path)?;
         Ok(Some(pairs))
     }
 

@@ -1,9 +1,10 @@
 //! Photographs, landmarks and masks, and whether they go together.
 
+use super::film::{frame, is_video};
 use anyhow::{bail, ensure};
 use artifact::picture::read_gray;
-use artifact::{LandmarkFile, Landmarks, Photograph, Transfer, read_landmarks, read_photograph};
-use normalmap_acquire::{Face, Green, Pair, Photo, Plane, Scheme, normal_of, rough_normals};
+use artifact::{GreenAxis, LandmarkFile, Landmarks, Photograph, Transfer, read_landmarks, read_photograph};
+use normalmap_acquire::{Face, Pair, Photo, Plane, Scheme, normal_of, rough_normals};
 use stage::Run;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(next_help_heading = "Neutral face")]
 pub(crate) struct Neutral {
-    /// Photograph of the face at rest (PNG, JPEG)
+    /// Photograph of the face at rest (PNG, JPEG), or a video: its first frame, or film.mp4#12 its frame 12
     #[arg(long, value_name = "FILE")]
     pub(crate) neutral: PathBuf,
     /// Landmarks in it (.json, .tem, .pts, .csv)
@@ -144,7 +145,7 @@ impl Neutral {
         );
         let normal = |axis: usize| {
             Plane::from_fn(map.width, map.height, |column, row| {
-                normal_of(map.at(column, row), Green::Opengl)[axis]
+                normal_of(map.at(column, row), GreenAxis::Opengl)[axis]
             })
         };
         Ok(Some([normal(0), normal(1), normal(2)]))
@@ -188,14 +189,32 @@ impl Neutral {
             path.display(),
             pairs.len()
         );
-        check_crossed(&pairs, rest.face.io_px, path)?;
+        check_crossed(&pairs, [rest.face.io_px; 2], path)?;
         Ok(pairs)
     }
 
     /// The photograph of an expression, which must go with the neutral one.
     pub(crate) fn expression(&self, run: &mut Run, rest: &Rest, path: &Path) -> anyhow::Result<Photograph> {
         let photograph = photograph(run, "expression", path, self.transfer)?;
-        let (here, there) = (&rest.photograph, &photograph);
+        self.check_alike(rest, &photograph, path)?;
+        if rest.photograph.luminance == photograph.luminance {
+            bail!(
+                "{}: shows the same pixels as {}: there is no expression to take over\n  to do: give the photograph of an expression",
+                path.display(),
+                self.neutral.display()
+            );
+        }
+        Ok(photograph)
+    }
+
+    /// Refuses a photograph that is no one of the neutral one's camera.
+    pub(crate) fn check_alike(
+        &self,
+        rest: &Rest,
+        photograph: &Photograph,
+        path: &Path,
+    ) -> anyhow::Result<()> {
+        let (here, there) = (&rest.photograph, photograph);
         let told = |p: &Photograph| format!("{} × {} pixels of {} bits", p.width, p.height, p.bits);
         let alike = (here.width, here.height, here.bits) == (there.width, there.height, there.bits);
         ensure!(
@@ -205,19 +224,14 @@ impl Neutral {
             told(there),
             told(here)
         );
-        if here.luminance == there.luminance {
-            bail!(
-                "{}: shows the same pixels as {}: there is no expression to take over\n  to do: give the photograph of an expression",
-                path.display(),
-                self.neutral.display()
-            );
-        }
-        Ok(photograph)
+        Ok(())
     }
 }
 
-fn check_crossed(pairs: &[Pair], io: f64, path: &Path) -> anyhow::Result<()> {
-    let warp = normalmap_acquire::Warp::fit(pairs, io, 1e-3)?;
+/// Refuses a landmark that the others contradict; the face's size where the pairs come from, and the distance of the pupils where they
+/// lead, px.
+pub(crate) fn check_crossed(pairs: &[Pair], [scale, io]: [f64; 2], path: &Path) -> anyhow::Result<()> {
+    let warp = normalmap_acquire::Warp::fit(pairs, scale, 1e-3)?;
     let worst = (0..pairs.len()).max_by(|a, b| warp.left_out()[*a].total_cmp(&warp.left_out()[*b]));
     match worst.filter(|at| warp.left_out()[*at] > CROSSED_IO * io && pairs.len() > 6) {
         Some(at) => bail!(
@@ -238,8 +252,8 @@ fn photograph(
     path: &Path,
     stated: Option<Transfer>,
 ) -> anyhow::Result<Photograph> {
-    let photograph = run.timed("read", || read_photograph(path, stated))?;
-    run.input(role, path)?;
+    let photograph = run.timed("read", || read_still(path, stated))?;
+    run.input(role, &still_of(path).map_or(path.to_path_buf(), |(video, _)| video))?;
     run.detail(&format!("  {}: codes mean {}", path.display(), photograph.codes));
     let bright = photograph.luminance.iter().filter(|light| **light > UNLIT).count();
     ensure!(
@@ -258,6 +272,24 @@ fn photograph(
         ));
     }
     Ok(photograph)
+}
+
+/// A photograph, or a frame of a video.
+fn read_still(path: &Path, stated: Option<Transfer>) -> anyhow::Result<Photograph> {
+    match still_of(path) {
+        Some((video, number)) => frame(&video, number, stated),
+        None => Ok(read_photograph(path, stated)?),
+    }
+}
+
+/// The video that a path names, and which of its frames.
+fn still_of(path: &Path) -> Option<(PathBuf, i64)> {
+    let text = path.to_string_lossy();
+    let (video, number) = match text.rsplit_once('#') {
+        Some((video, number)) => (PathBuf::from(video), number.parse().ok()?),
+        None => (path.to_path_buf(), 0),
+    };
+    is_video(&video).then_some((video, number))
 }
 
 /// Linear light below this is not to be divided by.
@@ -280,8 +312,14 @@ pub(crate) fn landmarks(
     path: &Path,
     photograph: &Photograph,
 ) -> anyhow::Result<Landmarks> {
-    let LandmarkFile { landmarks, is_uv } = read_landmarks(path)?;
+    let landmarks = read_marks(path, photograph)?;
     run.input(role, path)?;
+    Ok(landmarks)
+}
+
+/// As [`landmarks`], not noted as an input.
+pub(crate) fn read_marks(path: &Path, photograph: &Photograph) -> anyhow::Result<Landmarks> {
+    let LandmarkFile { landmarks, is_uv } = read_landmarks(path)?;
     ensure!(
         !is_uv,
         "{}: holds texture coordinates\n  to do: give places in the photograph, px",

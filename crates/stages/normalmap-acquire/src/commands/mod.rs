@@ -1,6 +1,7 @@
 //! The subcommands.
 
 mod acquire;
+mod film;
 mod fit_modulation;
 mod inputs;
 mod options;

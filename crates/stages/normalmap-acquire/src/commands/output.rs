@@ -1,8 +1,9 @@
 //! Maps as pictures.
 
 use artifact::picture::{write_gray16, write_rgb8, write_rgb16};
-use artifact::{Staged, stage_bytes};
-use normalmap_acquire::{Acquired, Green, Plane, height_shares, normal_codes};
+use artifact::{GreenAxis, Staged, stage_bytes};
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use normalmap_acquire::{Acquired, Plane, height_shares, normal_codes};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -14,8 +15,8 @@ pub(crate) struct Output {
     #[arg(long, value_name = "BITS", default_value_t = 8, value_parser = bits)]
     bits: u8,
     /// Which way green points: opengl (up) or directx (down)
-    #[arg(long, value_name = "NAME", default_value = "opengl", value_parser = ["opengl", "directx"])]
-    green: String,
+    #[arg(long, value_name = "NAME", default_value = "opengl", value_parser = PossibleValuesParser::new(GreenAxis::NAMES).try_map(|name| name.parse::<GreenAxis>()))]
+    green: GreenAxis,
     /// Also write heights, a grey PNG of 16 bits; a file beside it says what its values are
     #[arg(long, value_name = "FILE")]
     displacement: Option<PathBuf>,
@@ -45,20 +46,16 @@ impl Output {
         self.displacement.iter().chain(&self.npy).cloned().chain(debug).collect()
     }
 
-    fn green(&self) -> Green {
-        if self.green == "directx" { Green::Directx } else { Green::Opengl }
-    }
-
     /// A normal map.
     pub(crate) fn normals(&self, path: &Path, normals: &[Plane; 3]) -> artifact::Result<Staged> {
         let (width, height) = (normals[0].width, normals[0].height);
         match self.bits {
             8 => {
-                let codes = normal_codes(normals, self.green(), 255.0);
+                let codes = normal_codes(normals, self.green, 255.0);
                 write_rgb8(path, width, height, &codes.iter().map(|code| *code as u8).collect::<Vec<_>>())
             }
             _ => {
-                let codes = normal_codes(normals, self.green(), 65535.0);
+                let codes = normal_codes(normals, self.green, 65535.0);
                 write_rgb16(path, width, height, &codes.iter().map(|code| *code as u16).collect::<Vec<_>>())
             }
         }

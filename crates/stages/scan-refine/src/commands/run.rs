@@ -2,10 +2,10 @@
 
 use super::Arguments;
 use anyhow::{Context, bail};
-use artifact::{npy, picture};
+use artifact::{GreenAxis, npy, picture};
 use mesh::Mesh;
 use nalgebra::Vector3;
-use scan_refine::{Green, Measured, NormalMap, Params, Report, Space, crossover_of_lambda, refine};
+use scan_refine::{Measured, NormalMap, Params, Report, Space, crossover_of_lambda, refine};
 use stage::Run;
 use std::path::Path;
 
@@ -34,7 +34,7 @@ fn parameters(arguments: &Arguments) -> Params {
 
 /// The normals from whichever file was named, with the trust that another gives them.
 fn measured(run: &mut Run, arguments: &Arguments, mesh: &Mesh) -> anyhow::Result<Measured> {
-    let green = if arguments.directx { Green::Down } else { Green::Up };
+    let green = if arguments.directx { GreenAxis::Directx } else { GreenAxis::Opengl };
     let mut measured = match (&arguments.object_map, &arguments.tangent_map, &arguments.vertex_normals) {
         (Some(path), _, _) => mapped(run, path, mesh, Space::Object, green)?,
         (_, Some(path), _) => mapped(run, path, mesh, Space::Tangent, green)?,
@@ -56,7 +56,13 @@ fn measured(run: &mut Run, arguments: &Arguments, mesh: &Mesh) -> anyhow::Result
     Ok(measured)
 }
 
-fn mapped(run: &mut Run, path: &Path, mesh: &Mesh, space: Space, green: Green) -> anyhow::Result<Measured> {
+fn mapped(
+    run: &mut Run,
+    path: &Path,
+    mesh: &Mesh,
+    space: Space,
+    green: GreenAxis,
+) -> anyhow::Result<Measured> {
     let picture = picture::read_rgb(path)?;
     run.input("normal map", path)?;
     let (width, height) = (picture.width, picture.height);

@@ -53,6 +53,18 @@ pub fn reference_names() -> [&'static str; 4] {
     REFERENCES.each_ref().map(|pose| pose.name)
 }
 
+/// What each muscle does in a reference pose or a basis expression, by its name; nothing of an unknown one.
+#[must_use]
+pub fn muscles_of(name: &str) -> Option<std::collections::BTreeMap<String, f64>> {
+    let pose = REFERENCES.iter().chain(&EXPRESSIONS).find(|pose| pose.name == name)?;
+    Some(pose.muscles.iter().map(|(muscle, weight)| ((*muscle).to_string(), *weight)).collect())
+}
+
+/// The names that [`muscles_of`] knows.
+pub fn pose_names() -> impl Iterator<Item = &'static str> {
+    REFERENCES.iter().chain(&EXPRESSIONS).map(|pose| pose.name)
+}
+
 /// A body on bones, in metres, with an animation `reference-poses` (the neutral face at 0 s, then a pose a second) and one
 /// `expressions` (from the neutral face to each basis expression and back, two seconds each).
 #[must_use]

@@ -1,4 +1,6 @@
-//! Photographs of a patch of skin, at rest and wrinkled.
+//! Photographs of a patch of skin, or of a whole face, at rest and wrinkled.
+
+mod face;
 
 use anyhow::Context;
 use artifact::picture::{write_rgb8, write_rgb16};
@@ -9,8 +11,16 @@ use std::path::{Path, PathBuf};
 use virtual_rig::pair::{Degradation, Groove, Pair, PairScenario, photograph};
 
 /// Photograph a patch of skin at rest and wrinkled, whose normals are known: for maps from ratio images
+///
+/// With `--face`, a whole face from the front.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
+    /// Photograph a whole face with an expression: brows-up, frown, smile, snarl, joy, sad, disgust, surprise, fear, angry
+    #[arg(long, value_name = "EXPRESSION", value_parser = clap::builder::PossibleValuesParser::new(virtual_rig::character::pose_names()))]
+    face: Option<String>,
+    /// Vertices of the face
+    #[arg(long, value_name = "N", requires = "face")]
+    vertices: Option<usize>,
     /// Grooves: round, crease or flat; or a file of parameters, JSON
     #[arg(long, value_name = "NAME|FILE", default_value = "round")]
     scenario: String,
@@ -20,7 +30,7 @@ pub(crate) struct Arguments {
     /// The flash stands off the line of sight, towards X,Y,1; y up
     #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     flash_tilt: Option<Vec<f64>>,
-    /// Side of the photographs, px
+    /// Side of the photographs, px; a face stays as large in the picture
     #[arg(long, value_name = "PX")]
     side: Option<u32>,
     /// Nothing but the wrinkles differs: no texture, motion that landmarks miss, exposure, sheen, blur or noise
@@ -39,6 +49,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(run: &mut Run, arguments: &Arguments) -> anyhow::Result<()> {
     run.subcommand("pair");
+    if let Some(expression) = &arguments.face {
+        return face::run(run, arguments, expression);
+    }
     let scenario = arguments.scenario(run)?;
     run.parameters(&json!({ "scenario": scenario, "seed": arguments.seed, "frames": arguments.frames }))?;
     run.check_folders(&[&arguments.out.join("neutral.png")])?;
@@ -67,16 +80,20 @@ impl Arguments {
         };
         scenario.flash_share = self.flash.unwrap_or(scenario.flash_share);
         scenario.side_px = self.side.unwrap_or(scenario.side_px);
-        match self.flash_tilt.as_deref() {
-            None => {}
-            Some(&[x, y]) => scenario.flash_tilt = [x, y],
-            Some(other) => anyhow::bail!("--flash-tilt: {} numbers\n  to do: give two, X,Y", other.len()),
-        }
+        scenario.flash_tilt = self.flash_tilt()?.unwrap_or(scenario.flash_tilt);
         if self.clean {
             scenario.degradation = Degradation::none();
         }
         scenario.check()?;
         Ok(scenario)
+    }
+
+    fn flash_tilt(&self) -> anyhow::Result<Option<[f64; 2]>> {
+        match self.flash_tilt.as_deref() {
+            None => Ok(None),
+            Some(&[x, y]) => Ok(Some([x, y])),
+            Some(other) => anyhow::bail!("--flash-tilt: {} numbers\n  to do: give two, X,Y", other.len()),
+        }
     }
 }
 
@@ -106,12 +123,18 @@ fn write(out: &Path, pair: &Pair, is_film: bool) -> anyhow::Result<Vec<Staged>> 
             staged.push(write_document(&out.join(format!("frames/{frame:04}.json")), landmarks)?);
         }
     }
-    let code = |value: f64| (65535.0 * (0.5 * value + 0.5)).round() as u16;
-    let normals: Vec<u16> = pair.normals.iter().flat_map(|normal| normal.map(code)).collect();
-    staged.push(write_rgb16(&out.join("truth/normals.png"), side, side, &normals)?);
+    staged.push(write_normals(&out.join("truth/normals.png"), side, &pair.normals)?);
     let grooves: Vec<u8> = pair.grooves.iter().flat_map(|is| [255 * u8::from(*is); 3]).collect();
     staged.push(write_rgb8(&out.join("truth/grooves.png"), side, side, &grooves)?);
     let truth = serde_json::to_vec_pretty(&pair.truth)?;
     staged.push(stage_bytes(&out.join("truth/pair.json"), &truth)?);
     Ok(staged)
+}
+
+/// Unit normals as codes of 16 bits; black where there is none.
+fn write_normals(path: &Path, side: usize, normals: &[[f64; 3]]) -> artifact::Result<Staged> {
+    let code = |value: f64| (65535.0 * (0.5 * value + 0.5)).round() as u16;
+    let codes = |normal: &[f64; 3]| if *normal == [0.0; 3] { [0; 3] } else { normal.map(code) };
+    let pixels: Vec<u16> = normals.iter().flat_map(codes).collect();
+    write_rgb16(path, side, side, &pixels)
 }

@@ -3,8 +3,9 @@
 //!
 //! The wrinkled skin is a height field ([`skin`]); how bright each of its places is, under open sky, a flash beside the lens or a
 //! mixture, is gathered over it with all bounces ([`glow`]); then the camera, and everything that makes two photographs of a face
-//! differ though nothing wrinkled, spoils them ([`photo`]).
+//! differ though nothing wrinkled, spoils them ([`photo`]). [`face`] photographs a whole face.
 
+pub mod face;
 mod glow;
 mod params;
 mod photo;
