@@ -197,7 +197,7 @@ mod tests {
             tilt: 0.2,
             albedo: 0.0,
         };
-        let lit = Lit::of(&groove, &places());
+        let lit = Lit::of(&groove, None, &places());
         let table = Table::of(&lit, 0.8, 15.0, &Bell::new());
         let sharp = |q: f64| {
             let after = lit.at[..lit.count].partition_point(|at| *at < q).clamp(1, lit.count - 1);

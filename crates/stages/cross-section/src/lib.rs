@@ -49,6 +49,7 @@ mod shading;
 mod smooth;
 mod spline;
 mod steady;
+mod walls;
 
 pub use albedo::estimate_albedo;
 pub use artifact::picture::Picture;

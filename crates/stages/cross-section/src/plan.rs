@@ -6,11 +6,12 @@ use crate::ground::Ground;
 use crate::paint::{Band, Pixel};
 use crate::params::Params;
 use crate::problem::{
-    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
+    CONSTANTS, CREASE, FIELDS, Known, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
 use crate::ridge::half_width;
 use crate::shading::{NODES, places};
 use crate::spline::Basis;
+use crate::walls::{SECTORS, Skyline, Walls};
 
 /// Distance of the stations at which the model is computed, px.
 const STATION_PX: f64 = 10.0;
@@ -89,8 +90,9 @@ pub(crate) struct Plan<'a> {
     albedo: f64,
     places: [f64; NODES],
     bell: Bell,
-    /// Per station what geometry says of t and of the curvature, 1/px; zeros where it says nothing.
-    pub(crate) ground: Vec<[f64; 2]>,
+    /// Per station what geometry says; nothing where it says nothing.
+    pub(crate) ground: Vec<Known>,
+    skyline: Skyline,
     pub(crate) is_known: bool,
 }
 
@@ -100,18 +102,29 @@ pub(crate) fn station_count(length: f64) -> usize {
 }
 
 /// What geometry says, where it says nothing that of the nearest place where it does.
-fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<[f64; 2]>> {
-    let known: Vec<(usize, [f64; 2])> = ground
+fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<Known>> {
+    let known: Vec<(usize, Known)> = ground
         .iter()
         .enumerate()
         .filter_map(|(at, ground)| {
             let ground = ground.as_ref()?;
-            Some((at, [ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT), ground.bend_per_px]))
+            let tilt = ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT);
+            Some((at, Known { tilt, bend: ground.bend_per_px, walls: Walls::of(&ground.skyline) }))
         })
         .collect();
-    let nearest =
-        |at: usize| known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, ground)| *ground);
+    let nearest = |at: usize| {
+        known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, ground)| ground.clone())
+    };
     (0..count).map(nearest).collect()
+}
+
+/// The mean of what geometry says of the skyline.
+fn mean_skyline(ground: &[Option<Ground>]) -> Skyline {
+    let known = || ground.iter().flatten();
+    let count = known().count().max(1) as f64;
+    let mean =
+        |side: usize, sector: usize| known().map(|ground| ground.skyline[side][sector]).sum::<f64>() / count;
+    [0, 1].map(|side| std::array::from_fn::<f64, SECTORS, _>(|sector| mean(side, sector)))
 }
 
 impl<'a> Plan<'a> {
@@ -136,9 +149,10 @@ impl<'a> Plan<'a> {
         let reach = rows.iter().map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
         let half = half_width(&rows, intervals as usize);
         let ln_width = (half / PAINT_WIDTHS).max(1.5).ln();
+        let skyline = mean_skyline(ground);
         let ground = filled(ground, stations).filter(|_| params.tilt_deg.is_none());
         let is_known = ground.is_some();
-        let ground = ground.unwrap_or_else(|| vec![[0.0; 2]; stations]);
+        let ground = ground.unwrap_or_else(|| vec![Known::default(); stations]);
         Self {
             length,
             stations,
@@ -151,6 +165,7 @@ impl<'a> Plan<'a> {
             places: places(),
             bell: Bell::new(),
             ground,
+            skyline,
             is_known,
         }
     }
@@ -170,7 +185,7 @@ impl<'a> Plan<'a> {
         &'p self,
         rows: &'p [Row],
         bases: [Basis; FIELDS],
-        ground: &'p [[f64; 2]],
+        ground: &'p [Known],
         flat: bool,
     ) -> Problem<'p> {
         let mut free = [!flat; CONSTANTS];
@@ -267,8 +282,10 @@ impl<'a> Plan<'a> {
         let rows = self.collapsed(creases);
         let bases = std::array::from_fn(|_| Basis::constant(2));
         let count = self.ground.len() as f64;
-        let mean = [0, 1].map(|k| self.ground.iter().map(|ground| ground[k]).sum::<f64>() / count);
-        let ground = [mean; 2];
+        let mean = |of: fn(&Known) -> f64| self.ground.iter().map(of).sum::<f64>() / count;
+        let walls = if self.is_known { Walls::of(&self.skyline) } else { None };
+        let ground = Known { tilt: mean(|known| known.tilt), bend: mean(|known| known.bend), walls };
+        let ground = [ground.clone(), ground];
         let mut problem = self.bare(&rows, bases, &ground, false);
         problem.priors = self.priors(&problem);
         let crease = problem.first(CREASE);

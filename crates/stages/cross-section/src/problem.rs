@@ -3,6 +3,7 @@
 use crate::blur::{Bell, COLUMNS, Table};
 use crate::shading::{BEND, EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
 use crate::spline::Basis;
+use crate::walls::Walls;
 use nalgebra::{DMatrix, DVector};
 
 /// What varies along a wrinkle: ln w, ln(d/w), place of the crease beside the curve, ln of the light on open paint, and how that
@@ -58,6 +59,17 @@ pub(crate) struct Row {
     pub(crate) weight: f64,
 }
 
+/// What is known of a station before: its unknowns t and c are what is left.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Known {
+    /// t.
+    pub(crate) tilt: f64,
+    /// c, 1/px.
+    pub(crate) bend: f64,
+    /// What the rest of the face hides of the sky.
+    pub(crate) walls: Option<Walls>,
+}
+
 /// A normal distribution of a sum of unknowns.
 #[derive(Debug, Clone)]
 pub(crate) struct Prior {
@@ -87,8 +99,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) aside: f64,
     /// ln of the largest width.
     pub(crate) widest: f64,
-    /// Per station what is known of t and c before, 1/px for the latter; their unknowns are what is left.
-    pub(crate) ground: &'a [[f64; 2]],
+    /// What is known per station.
+    pub(crate) ground: &'a [Known],
     pub(crate) places: &'a [f64; NODES],
     pub(crate) bell: &'a Bell,
 }
@@ -151,14 +163,19 @@ impl Problem<'_> {
                 ratio: if self.flat { 0.0 } else { self.field(unknowns, LN_RATIO, station).exp() },
                 epsilon: constants[ROUND],
                 kappa: constants[LOPSIDED],
-                bend: self.ground[station][1] + self.field(unknowns, BENT, station) / BEND_PX,
+                bend: self.ground[station].bend + self.field(unknowns, BENT, station) / BEND_PX,
                 skew: constants[SKEWED],
-                tilt: self.ground[station][0] + constants[TILTED],
+                tilt: self.ground[station].tilt + constants[TILTED],
                 albedo: self.albedo,
             };
-            let table = match (tables.last(), last == Some(groove)) {
+            let walls = &self.ground[station].walls;
+            let is_same = last == Some(groove) && *walls == self.ground[station - 1].walls;
+            let table = match (tables.last(), is_same) {
                 (Some(table), true) => table.clone(),
-                _ => Table::of(&Lit::of(&groove, self.places), self.blur, self.reach, self.bell),
+                _ => {
+                    let lit = Lit::of(&groove, walls.as_ref(), self.places);
+                    Table::of(&lit, self.blur, self.reach, self.bell)
+                }
             };
             tables.push(table);
             last = Some(groove);
@@ -360,6 +377,7 @@ mod tests {
             })
             .collect();
         let (nodes, bell) = (places(), Bell::new());
+        let ground = vec![Known { tilt: 0.1, bend: -0.004, walls: None }; 5];
         let mut problem = Problem {
             rows: &rows,
             bases: std::array::from_fn(|field| Basis::new(32.0, 12.0 + 6.0 * field as f64, 5)),
@@ -372,7 +390,7 @@ mod tests {
             noise: 0.5,
             aside: 9.0,
             widest: 4.0,
-            ground: &[[0.1, -0.004]; 5],
+            ground: &ground,
             places: &nodes,
             bell: &bell,
         };

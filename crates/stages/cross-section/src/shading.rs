@@ -4,6 +4,7 @@
 //! groove leaves `E = ½ (cos(e_R − θ) + cos(e_L + θ))`, θ the slope's angle, e the horizons' [BickelBotsch2007, Eq. 7].
 
 use crate::profile::steepness_of_scale;
+use crate::walls::Walls;
 use std::f64::consts::PI;
 
 /// Nodes across a groove.
@@ -199,6 +200,22 @@ fn skewed(left: f64, right: f64, slope: f64) -> [f64; 4] {
     ]
 }
 
+/// What walls take from a point between horizons at slopes `left` and `right` on ground of a slope, with derivatives by the three.
+fn taken(walls: &Walls, left: f64, right: f64, slope: f64) -> [f64; 4] {
+    let (on_left, on_right) = (walls.loss(0, left), walls.loss(1, right));
+    let along = 1.0 / (1.0 + slope * slope).sqrt();
+    let seen = |left: [f64; 2], right: [f64; 2]| [left[0] + slope * left[1], right[0] - slope * right[1]];
+    let [from_left, from_right] = seen(on_left.value, on_right.value);
+    let [left_growth, right_growth] = seen(on_left.growth, on_right.growth);
+    let turn = -slope * along.powi(3) * (from_left + from_right);
+    [
+        along * (from_left + from_right),
+        along * left_growth,
+        along * right_growth,
+        along * (on_left.value[1] - on_right.value[1]) + turn,
+    ]
+}
+
 /// The light that a point throws back after all bounces, as a share of what it would without any shadow, from its irradiance:
 /// `B = E / (1 − ρ (1 − E))`, with the derivative.
 ///
@@ -210,7 +227,7 @@ pub(crate) fn with_bounces(irradiance: f64, albedo: f64) -> [f64; 2] {
 
 impl Lit {
     /// The nodes of a groove at [`places`], without those that a wall hides from the camera.
-    pub(crate) fn of(groove: &Groove, places: &[f64; NODES]) -> Self {
+    pub(crate) fn of(groove: &Groove, walls: Option<&Walls>, places: &[f64; NODES]) -> Self {
         let nodes = section(groove, places);
         let right = horizons(&nodes, (0..NODES).rev(), 1.0);
         let left = horizons(&nodes, 0..NODES, -1.0);
@@ -222,7 +239,7 @@ impl Lit {
             count: NODES,
         };
         for i in 0..NODES {
-            lit.shade(i, groove, &nodes[i], &left[i], &right[i]);
+            lit.shade(i, groove, walls, &nodes[i], [&left[i], &right[i]]);
         }
         lit.project(groove, &nodes);
         if groove.tilt != 0.0 {
@@ -231,15 +248,32 @@ impl Lit {
         lit
     }
 
-    fn shade(&mut self, i: usize, groove: &Groove, node: &Node, left: &Horizon, right: &Horizon) {
+    fn shade(
+        &mut self,
+        i: usize,
+        groove: &Groove,
+        walls: Option<&Walls>,
+        node: &Node,
+        [left, right]: [&Horizon; 2],
+    ) {
         let [near, near_by_far, near_by_ground] = cosine(right.slope, node.slope);
         let [other, other_by_far, other_by_ground] = cosine(left.slope, -node.slope);
         let [skew, skew_by_left, skew_by_right, skew_by_slope] = skewed(left.slope, right.slope, node.slope);
-        let by_right = 0.5 * near_by_far + groove.skew * skew_by_right;
-        let by_left = 0.5 * other_by_far + groove.skew * skew_by_left;
-        let by_slope = 0.5 * (near_by_ground - other_by_ground) + groove.skew * skew_by_slope;
-        let irradiance = 0.5 * (near + other) + groove.skew * skew;
-        let [light, gain] = with_bounces(irradiance, groove.albedo);
+        let mut by_right = 0.5 * near_by_far + groove.skew * skew_by_right;
+        let mut by_left = 0.5 * other_by_far + groove.skew * skew_by_left;
+        let mut by_slope = 0.5 * (near_by_ground - other_by_ground) + groove.skew * skew_by_slope;
+        let mut irradiance = 0.5 * (near + other) + groove.skew * skew;
+        let mut open = 1.0;
+        if let Some(walls) = walls {
+            let [taken, taken_by_left, taken_by_right, taken_by_slope] =
+                taken(walls, left.slope, right.slope, node.slope);
+            irradiance -= taken;
+            by_left -= taken_by_left;
+            by_right -= taken_by_right;
+            by_slope -= taken_by_slope;
+            open = 1.0 / with_bounces(walls.open(), groove.albedo)[0];
+        }
+        let [light, gain] = with_bounces(irradiance, groove.albedo).map(|value| open * value);
         self.light[i] = light;
         for k in 0..SHAPE {
             self.light_by[i][k] =
@@ -332,11 +366,11 @@ mod tests {
             ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }),
             ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }),
         ] {
-            let lit = Lit::of(&groove, &places());
+            let lit = Lit::of(&groove, None, &places());
             for parameter in 0..PARAMETERS {
                 let step = 1e-6;
                 let [less, more] =
-                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), &places()));
+                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), None, &places()));
                 for node in 0..NODES {
                     let light = (more.light[node] - less.light[node]) / (2.0 * step);
                     let at = (more.at[node] - less.at[node]) / (2.0 * step);
