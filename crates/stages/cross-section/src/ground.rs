@@ -1,6 +1,7 @@
 //! The skin around a wrinkle as the geometry knows it: how the camera leans over it, and how it bends.
 
 use crate::curve::Curve;
+use crate::relief::Relief;
 use crate::walls::{SECTORS, Skyline};
 use camera::Camera;
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
@@ -16,6 +17,10 @@ const LEAST_PLACES: usize = 7;
 /// … within so far of each other in depth, as share of the section's length: beyond, another part of the face begins.
 const LEAP: f64 = 3.0;
 
+/// Places of a relief to each side.
+const WIDE_PLACES: i32 = 20;
+const WIDE_LEAP: f64 = 3.0;
+
 /// So many of the surface's points are asked whether they hide the sky …
 const FAR_POINTS: usize = 4000;
 /// … those that rise by less per length do not.
@@ -30,6 +35,8 @@ pub struct Ground {
     pub bend_per_px: f64,
     /// Slopes of the horizon that the rest of the face makes, left and right of the wrinkle, by azimuth.
     pub(crate) skyline: Skyline,
+    /// How the skin runs across the wrinkle.
+    pub(crate) relief: Option<Relief>,
 }
 
 /// A surface without wrinkles as a camera sees it, near some curves.
@@ -124,10 +131,23 @@ impl<'a> Surface<'a> {
         });
         let section: Vec<[f64; 3]> = section.collect();
         let view = self.camera.eye_in_world() - middle.point;
-        let (tilt_rad, bend_per_px) = bent(&section, view.dot(&across).atan2(view.dot(&normal)))?;
+        let (tilt_rad, bend_per_px, [slope, px_per_mm]) =
+            bent(&section, view.dot(&across).atan2(view.dot(&normal)))?;
         let nearest = reach * self.size_of_pixel(&middle.point);
         let skyline = self.skyline(&middle.point, &[normal, across, along], nearest);
-        Some(Ground { tilt_rad, bend_per_px, skyline })
+        let (upright, level) = {
+            let (sine, cosine) = slope.atan().sin_cos();
+            (normal * cosine - across * sine, across * cosine + normal * sine)
+        };
+        let scale = px_per_mm;
+        let wide = (-WIDE_PLACES..=WIDE_PLACES).filter_map(|k| {
+            let hit = self.hit(place + right * (Relief::REACH * f64::from(k) / f64::from(WIDE_PLACES)))?;
+            let off = hit.point - middle.point;
+            (off.norm() < WIDE_LEAP * Relief::REACH * self.size_of_pixel(&middle.point))
+                .then(|| [scale * off.dot(&level), scale * off.dot(&upright)])
+        });
+        let relief = Relief::through(&wide.collect::<Vec<_>>());
+        Some(Ground { tilt_rad, bend_per_px, skyline, relief })
     }
 
     /// How high what lies farther off than `nearest`, mm, stands around a place with axes up, across and along.
@@ -193,14 +213,14 @@ fn bounds(corners: &[Vector2<f64>; 3]) -> Option<[Vector2<f64>; 2]> {
 }
 
 /// From places (p in the image; s across and z off the skin, mm) to the tilt over the parabola through them and its bend.
-fn bent(section: &[[f64; 3]], tilt: f64) -> Option<(f64, f64)> {
+fn bent(section: &[[f64; 3]], tilt: f64) -> Option<(f64, f64, [f64; 2])> {
     if section.len() < LEAST_PLACES {
         return None;
     }
     let [_, slope, half] = parabola(section.iter().map(|[_, s, z]| [*s, *z]))?;
     let [_, px_per_mm, _] = parabola(section.iter().map(|[p, s, _]| [*s, *p]))?;
     let curvature = 2.0 * half / (1.0 + slope * slope).powf(1.5);
-    (px_per_mm > 1e-6).then(|| (tilt + slope.atan(), curvature / px_per_mm))
+    (px_per_mm > 1e-6).then(|| (tilt + slope.atan(), curvature / px_per_mm, [slope, px_per_mm]))
 }
 
 /// The coefficients of `a + b x + c x²` through points, by least squares.

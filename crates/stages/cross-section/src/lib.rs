@@ -44,6 +44,7 @@ mod params;
 mod plan;
 mod problem;
 mod profile;
+mod relief;
 mod ridge;
 mod shading;
 mod smooth;

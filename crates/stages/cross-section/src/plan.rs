@@ -8,10 +8,11 @@ use crate::params::Params;
 use crate::problem::{
     CONSTANTS, CREASE, FIELDS, Known, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
+use crate::relief::Relief;
 use crate::ridge::half_width;
 use crate::shading::{NODES, places};
 use crate::spline::Basis;
-use crate::walls::{SECTORS, Skyline, Walls};
+use crate::walls::{Around, SECTORS, Skyline, Walls};
 
 /// Distance of the stations at which the model is computed, px.
 const STATION_PX: f64 = 10.0;
@@ -109,7 +110,14 @@ fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<Known>> {
         .filter_map(|(at, ground)| {
             let ground = ground.as_ref()?;
             let tilt = ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT);
-            Some((at, Known { tilt, bend: ground.bend_per_px, walls: Walls::of(&ground.skyline) }))
+            Some((
+                at,
+                Known {
+                    tilt,
+                    bend: if ground.relief.is_some() { 0.0 } else { ground.bend_per_px },
+                    around: Around { walls: Walls::of(&ground.skyline), relief: ground.relief },
+                },
+            ))
         })
         .collect();
     let nearest = |at: usize| {
@@ -283,8 +291,10 @@ impl<'a> Plan<'a> {
         let bases = std::array::from_fn(|_| Basis::constant(2));
         let count = self.ground.len() as f64;
         let mean = |of: fn(&Known) -> f64| self.ground.iter().map(of).sum::<f64>() / count;
+        let reliefs: Vec<Relief> = self.ground.iter().filter_map(|known| known.around.relief).collect();
         let walls = if self.is_known { Walls::of(&self.skyline) } else { None };
-        let ground = Known { tilt: mean(|known| known.tilt), bend: mean(|known| known.bend), walls };
+        let around = Around { walls, relief: Relief::mean(&reliefs) };
+        let ground = Known { tilt: mean(|known| known.tilt), bend: mean(|known| known.bend), around };
         let ground = [ground.clone(), ground];
         let mut problem = self.bare(&rows, bases, &ground, false);
         problem.priors = self.priors(&problem);

@@ -3,7 +3,7 @@
 use crate::blur::{Bell, COLUMNS, Table};
 use crate::shading::{BEND, EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
 use crate::spline::Basis;
-use crate::walls::Walls;
+use crate::walls::Around;
 use nalgebra::{DMatrix, DVector};
 
 /// What varies along a wrinkle: ln w, ln(d/w), place of the crease beside the curve, ln of the light on open paint, and how that
@@ -66,8 +66,8 @@ pub(crate) struct Known {
     pub(crate) tilt: f64,
     /// c, 1/px.
     pub(crate) bend: f64,
-    /// What the rest of the face hides of the sky.
-    pub(crate) walls: Option<Walls>,
+    /// How the face runs on.
+    pub(crate) around: Around,
 }
 
 /// A normal distribution of a sum of unknowns.
@@ -167,13 +167,18 @@ impl Problem<'_> {
                 skew: constants[SKEWED],
                 tilt: self.ground[station].tilt + constants[TILTED],
                 albedo: self.albedo,
+                aside: if self.ground[station].around.relief.is_some() {
+                    self.field(unknowns, CREASE, station)
+                } else {
+                    0.0
+                },
             };
-            let walls = &self.ground[station].walls;
-            let is_same = last == Some(groove) && *walls == self.ground[station - 1].walls;
+            let around = &self.ground[station].around;
+            let is_same = last == Some(groove) && *around == self.ground[station - 1].around;
             let table = match (tables.last(), is_same) {
                 (Some(table), true) => table.clone(),
                 _ => {
-                    let lit = Lit::of(&groove, walls.as_ref(), self.places);
+                    let lit = Lit::of(&groove, around, self.places);
                     Table::of(&lit, self.blur, self.reach, self.bell)
                 }
             };
@@ -377,7 +382,7 @@ mod tests {
             })
             .collect();
         let (nodes, bell) = (places(), Bell::new());
-        let ground = vec![Known { tilt: 0.1, bend: -0.004, walls: None }; 5];
+        let ground = vec![Known { tilt: 0.1, bend: -0.004, around: Around::default() }; 5];
         let mut problem = Problem {
             rows: &rows,
             bases: std::array::from_fn(|field| Basis::new(32.0, 12.0 + 6.0 * field as f64, 5)),

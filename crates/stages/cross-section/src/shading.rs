@@ -4,7 +4,8 @@
 //! groove leaves `E = ½ (cos(e_R − θ) + cos(e_L + θ))`, θ the slope's angle, e the horizons' [BickelBotsch2007, Eq. 7].
 
 use crate::profile::steepness_of_scale;
-use crate::walls::Walls;
+use crate::relief::Relief;
+use crate::walls::{Around, Walls};
 use std::f64::consts::PI;
 
 /// Nodes across a groove.
@@ -48,6 +49,8 @@ pub(crate) struct Groove {
     pub(crate) tilt: f64,
     /// Share of the light that the paint throws back.
     pub(crate) albedo: f64,
+    /// Where its crease lies beside the curve, px.
+    pub(crate) aside: f64,
 }
 
 /// Places in the image and brightness of a groove's nodes, with derivatives by [`WIDTH`] … [`TILT`].
@@ -84,7 +87,7 @@ pub(crate) fn places() -> [f64; NODES] {
     })
 }
 
-fn section(groove: &Groove, places: &[f64; NODES]) -> [Node; NODES] {
+fn section(groove: &Groove, relief: Option<&Relief>, places: &[f64; NODES]) -> [Node; NODES] {
     let Groove { ratio, epsilon, kappa, .. } = *groove;
     let (factor, growth) = steepness_of_scale(epsilon);
     let depth = ratio * factor;
@@ -106,17 +109,29 @@ fn section(groove: &Groove, places: &[f64; NODES]) -> [Node; NODES] {
         let hollow_twist = scale * (1.0 - 2.0 * (x / BENT).powi(2)) * fade;
         let (bent, bent_slope) = (groove.bend * hollow, groove.bend * hollow_slope);
         let x_by_kappa = v.abs();
+        let [ground, ground_slope, ground_twist] = relief.map_or([0.0; 3], |relief| {
+            let [z, slope, twist] = relief.at(groove.aside + scale * x);
+            [(z - relief.at(groove.aside)[0]) / scale, slope, twist * scale]
+        });
+        // By the scale: what the ground's height in width scales changes by, and its slope.
+        let (ground_growth, ground_turn) = (x * ground_slope - ground, x * ground_twist);
         Node {
             x,
-            z: z + bent,
-            slope: slope + bent_slope,
+            z: z + bent + ground,
+            slope: slope + bent_slope + ground_slope,
             x_by_kappa,
-            z_by: [bent, z, z_by_epsilon + scale_growth * bent, bent_slope * x_by_kappa, hollow],
+            z_by: [
+                bent + ground_growth,
+                z,
+                z_by_epsilon + scale_growth * (bent + ground_growth),
+                (bent_slope + ground_slope) * x_by_kappa,
+                hollow,
+            ],
             slope_by: [
-                bent_slope,
+                bent_slope + ground_turn,
                 slope,
-                slope_by_epsilon + scale_growth * bent_slope,
-                -slope * v.signum() / side + groove.bend * hollow_twist * x_by_kappa,
+                slope_by_epsilon + scale_growth * (bent_slope + ground_turn),
+                -slope * v.signum() / side + (groove.bend * hollow_twist + ground_twist) * x_by_kappa,
                 hollow_slope,
             ],
         }
@@ -227,8 +242,8 @@ pub(crate) fn with_bounces(irradiance: f64, albedo: f64) -> [f64; 2] {
 
 impl Lit {
     /// The nodes of a groove at [`places`], without those that a wall hides from the camera.
-    pub(crate) fn of(groove: &Groove, walls: Option<&Walls>, places: &[f64; NODES]) -> Self {
-        let nodes = section(groove, places);
+    pub(crate) fn of(groove: &Groove, around: &Around, places: &[f64; NODES]) -> Self {
+        let nodes = section(groove, around.relief.as_ref(), places);
         let right = horizons(&nodes, (0..NODES).rev(), 1.0);
         let left = horizons(&nodes, 0..NODES, -1.0);
         let mut lit = Self {
@@ -239,7 +254,7 @@ impl Lit {
             count: NODES,
         };
         for i in 0..NODES {
-            lit.shade(i, groove, walls, &nodes[i], [&left[i], &right[i]]);
+            lit.shade(i, groove, around.walls.as_ref(), &nodes[i], [&left[i], &right[i]]);
         }
         lit.project(groove, &nodes);
         if groove.tilt != 0.0 {
@@ -342,6 +357,7 @@ mod tests {
             skew: 0.1,
             tilt: 0.3,
             albedo: 0.3,
+            aside: 1.5,
         }
     }
 
@@ -366,11 +382,11 @@ mod tests {
             ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }),
             ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }),
         ] {
-            let lit = Lit::of(&groove, None, &places());
+            let lit = Lit::of(&groove, &Around::default(), &places());
             for parameter in 0..PARAMETERS {
                 let step = 1e-6;
-                let [less, more] =
-                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), None, &places()));
+                let [less, more] = [-step, step]
+                    .map(|by| Lit::of(&changed(&groove, parameter, by), &Around::default(), &places()));
                 for node in 0..NODES {
                     let light = (more.light[node] - less.light[node]) / (2.0 * step);
                     let at = (more.at[node] - less.at[node]) / (2.0 * step);

@@ -5,6 +5,7 @@
 //! `cos θ (A(h) − m B(h))`, with `A = (1/π) ∫ ½ (sin² e₁ − sin² e₀) dφ` and
 //! `B = (1/π) ∫ ½ cos φ (e₁ − e₀ + ½ (sin 2e₁ − sin 2e₀)) dφ`, e₀ = atan(h cos φ), e₁ = max(e₀, atan w): tables by h.
 
+use crate::relief::Relief;
 use std::f64::consts::PI;
 
 /// Azimuths to each side.
@@ -14,6 +15,13 @@ const ENTRIES: usize = 40;
 
 /// Slopes of the horizon by azimuth, left and right of a groove; in each from one end of the groove to the other.
 pub(crate) type Skyline = [[f64; SECTORS]; 2];
+
+/// What lies around a groove, as far as it is known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Around {
+    pub(crate) walls: Option<Walls>,
+    pub(crate) relief: Option<Relief>,
+}
 
 /// A skyline's tables.
 #[derive(Debug, Clone, PartialEq)]
