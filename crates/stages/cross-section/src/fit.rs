@@ -69,6 +69,7 @@ impl Fit {
         let mut best = tried.reduce(|best, other| if other.cost < best.cost { other } else { best })?;
         let noise = plan.noise(&problem, &best);
         (problem.noise, flat.noise) = (noise, noise);
+        problem.skin_noise = plan.skin_noise(&problem, &best);
         best = descend(&problem, &best.unknowns, 15, 0.05);
         if problem.constants(&best.unknowns)[ROUND] < 0.6 {
             best = sharpened(&mut problem, best);

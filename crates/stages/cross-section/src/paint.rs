@@ -41,6 +41,8 @@ pub struct Pixel {
 pub struct Band {
     /// Pixels at least 2 px inside the paint.
     pub pixels: Vec<Pixel>,
+    /// Bare skin beside the paint, its light as share of bright skin's.
+    pub skin: Vec<Pixel>,
     /// Linear light of bright paint.
     pub color: [f64; 3],
     /// Painted pixels that were left out because a channel is saturated.
@@ -191,7 +193,73 @@ pub fn band(picture: &Picture, light: &[f64; 256], curve: &Curve, reach: f64) ->
         Pixel { light: sum / weight, ratio, ..pixel }
     };
     let pixels: Vec<Pixel> = placed.into_iter().map(lit).collect();
-    Some(Band { pixels, color, saturated, black })
+    let skin = skin(picture, light, curve, reach, &ratios, &pixels).unwrap_or_default();
+    Some(Band { pixels, skin, color, saturated, black })
+}
+
+/// Skin is looked at so far beyond the paint, px.
+const BESIDE_PX: f64 = 14.0;
+/// Log-ratios of skin differ by no more.
+const SKIN_DISTANCE: f64 = 0.2;
+/// Skin lies at least so far from what is none, px.
+const CLEAR: i64 = 3;
+
+/// The skin beside the paint.
+fn skin(
+    picture: &Picture,
+    light: &[f64; 256],
+    curve: &Curve,
+    reach: f64,
+    ratios: &Ratios,
+    paint: &[Pixel],
+) -> Option<Vec<Pixel>> {
+    let widest = paint.iter().map(|pixel| pixel.p.abs()).fold(0.0, f64::max);
+    let reach = crate::tune("sr", BESIDE_PX) + widest.min(reach) + EROSION as f64;
+    let window = Window::around(curve, reach, picture)?;
+    let codes = |index: usize| {
+        let [x, y] = window.place(index);
+        picture.at(x, y)
+    };
+    let count = window.size[0] * window.size[1];
+    let found: Vec<[f64; 2]> = (0..count).map(|index| ratios.at(codes(index))).collect();
+    let near: Vec<bool> = (0..count).map(|index| is_usable(codes(index))).collect();
+    // Skin is what most of the window shows that is not this paint.
+    let middle_paint = paint_middle(paint, ratios, picture);
+    let others: Vec<usize> = (0..count)
+        .filter(|&index| near[index] && distance(&found[index], &middle_paint) > DISTANCES[1])
+        .collect();
+    let middle = [0, 1].map(|k| median(&mut others.iter().map(|&index| found[index][k]).collect::<Vec<_>>()));
+    let is_skin: Vec<bool> =
+        (0..count).map(|index| near[index] && distance(&found[index], &middle) < SKIN_DISTANCE).collect();
+    let is_clear = |index: usize| {
+        let [x, y] = window.place(index).map(|place| place as i64);
+        (-CLEAR..=CLEAR).all(|dy| {
+            (-CLEAR..=CLEAR).all(|dx| {
+                dx * dx + dy * dy > CLEAR * CLEAR
+                    || window.index([x + dx, y + dy]).is_some_and(|index| is_skin[index])
+            })
+        })
+    };
+    let placed = (0..count).filter(|&index| is_skin[index] && is_clear(index)).filter_map(|index| {
+        let [x, y] = window.place(index);
+        let foot = curve.foot(Vector2::new(x as f64, y as f64)).filter(|foot| foot.p.abs() <= reach)?;
+        let lights = codes(index).map(|code| light[usize::from(code)]);
+        Some((lights, Pixel { x: foot.x, p: foot.p, light: 0.0, ratio: 0.0, place: [x as u32, y as u32] }))
+    });
+    let placed: Vec<([f64; 3], Pixel)> = placed.collect();
+    let color = bright(placed.iter().map(|(lights, _)| *lights))?;
+    let weight = color.iter().map(|light| light * light).sum::<f64>();
+    let lit = |(lights, pixel): ([f64; 3], Pixel)| {
+        let sum: f64 = lights.iter().zip(color).map(|(light, color)| light * color).sum();
+        Pixel { light: sum / weight, ..pixel }
+    };
+    Some(placed.into_iter().map(lit).collect())
+}
+
+/// The median log-ratios of paint.
+fn paint_middle(paint: &[Pixel], ratios: &Ratios, picture: &Picture) -> [f64; 2] {
+    let at = |pixel: &Pixel| ratios.at(picture.at(pixel.place[0] as usize, pixel.place[1] as usize));
+    [0, 1].map(|k| median(&mut paint.iter().map(|pixel| at(pixel)[k]).collect::<Vec<_>>()))
 }
 
 /// The light of bright paint: the 80 % of each channel.

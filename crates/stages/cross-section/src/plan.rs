@@ -11,6 +11,7 @@ use crate::problem::{
 use crate::relief::Relief;
 use crate::ridge::half_width;
 use crate::shading::{NODES, places};
+use crate::skin::{Group, collapsed, groups};
 use crate::spline::Basis;
 use crate::walls::{Around, SECTORS, Skyline, Walls};
 
@@ -49,6 +50,13 @@ pub(crate) const CORRELATED: f64 = 3.0;
 /// Noise as share of the light on open paint: at first, and the least.
 pub(crate) const NOISE: [f64; 2] = [0.02, 0.004];
 
+/// Noise of cells of skin as share of its light: at first, and the least.
+const SKIN_NOISE: [f64; 2] = [0.03, 0.006];
+/// So many of neighbouring cells count as one.
+const SKIN_CORRELATED: f64 = 3.0;
+/// Cells that tell their noise.
+const LEAST_CELLS: usize = 20;
+
 /// Starts: share of the expected width, ε, and the side to which the crease lies of what is dark, with a view from there.
 ///
 /// A round bottom is brighter than its walls, and the wall that faces the camera looks the widest: the middle of what is dark is then
@@ -83,6 +91,8 @@ pub(crate) struct Plan<'a> {
     pub(crate) length: f64,
     pub(crate) stations: usize,
     pub(crate) rows: Vec<Row>,
+    /// Skin beside the paint.
+    pub(crate) skin: Vec<Group>,
     /// Per row its pixel in the band.
     pub(crate) order: Vec<usize>,
     reach: f64,
@@ -154,7 +164,9 @@ impl<'a> Plan<'a> {
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by_key(|&pixel| all[pixel].station);
         let rows: Vec<Row> = order.iter().map(|&pixel| all[pixel]).collect();
-        let reach = rows.iter().map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
+        let skin =
+            if crate::tune("skin", 1.0) > 0.0 { groups(&band.skin, intervals as usize, row) } else { vec![] };
+        let reach = rows.iter().chain(skin.iter().flatten()).map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
         let half = half_width(&rows, intervals as usize);
         let ln_width = (half / PAINT_WIDTHS).max(1.5).ln();
         let skyline = mean_skyline(ground);
@@ -165,6 +177,7 @@ impl<'a> Plan<'a> {
             length,
             stations,
             rows,
+            skin,
             order,
             reach,
             ln_width,
@@ -184,7 +197,8 @@ impl<'a> Plan<'a> {
 
     pub(crate) fn problem(&self, flat: bool) -> Problem<'_> {
         let bases = KNOTS_PX.map(|spacing| Basis::new(self.length, spacing, self.stations));
-        let mut problem = self.bare(&self.rows, bases, &self.ground, flat);
+        let mut problem =
+            self.bare(&self.rows, if flat { &[] } else { &self.skin }, bases, &self.ground, flat);
         problem.priors = self.priors(&problem);
         problem
     }
@@ -192,6 +206,7 @@ impl<'a> Plan<'a> {
     fn bare<'p>(
         &'p self,
         rows: &'p [Row],
+        skin: &'p [Group],
         bases: [Basis; FIELDS],
         ground: &'p [Known],
         flat: bool,
@@ -208,6 +223,8 @@ impl<'a> Plan<'a> {
             albedo: self.albedo,
             reach: self.reach,
             noise: NOISE[0] * CORRELATED.sqrt(),
+            skin,
+            skin_noise: SKIN_NOISE[0],
             aside: ASIDE_PX + ASIDE * PAINT_WIDTHS * self.ln_width.exp(),
             widest: self.ln_width + WIDEST.ln(),
             ground,
@@ -219,12 +236,12 @@ impl<'a> Plan<'a> {
     fn priors(&self, problem: &Problem<'_>) -> Vec<Prior> {
         let mut priors = Vec::new();
         let values = [
-            Some((self.ln_width, WIDTH_SPREAD)),
+            Some((self.ln_width, crate::tune("ws", WIDTH_SPREAD))),
             Some((RATIO.ln(), RATIO_SPREAD)),
             Some((0.0, CREASE_SPREAD)),
             None,
-            Some((0.0, RISE_SPREAD)),
-            Some((0.0, if self.is_known { GROUND_SPREADS[1] } else { BEND_SPREAD })),
+            Some((0.0, if self.is_known { crate::tune("rs", RISE_SPREAD) } else { RISE_SPREAD })),
+            Some((0.0, if self.is_known { crate::tune("bs", GROUND_SPREADS[1]) } else { BEND_SPREAD })),
         ];
         for (field, value) in values.into_iter().enumerate() {
             let (first, count) = (problem.first(field), problem.bases[field].count);
@@ -245,7 +262,14 @@ impl<'a> Plan<'a> {
         for (constant, [mean, deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
             if problem.free[constant] {
                 let known = self.is_known && constant == TILTED;
-                let deviation = if known { GROUND_SPREADS[0] } else { deviation };
+                let deviation = if known { crate::tune("ts", 0.025) } else { deviation };
+                let deviation = match (self.is_known, constant) {
+                    (true, 1) => crate::tune("ks", deviation),
+                    (true, 2) => crate::tune("gs", deviation),
+                    (true, 0) => crate::tune("es", deviation),
+                    _ => deviation,
+                };
+                let mean = if constant == 0 { crate::tune("em", mean) } else { mean };
                 priors.push(Prior { terms: vec![(first + constant, 1.0)], mean, deviation });
             }
         }
@@ -288,6 +312,9 @@ impl<'a> Plan<'a> {
     /// The best groove that is the same everywhere, from several starts; and the best one whose crease lies elsewhere.
     pub(crate) fn firsts(&self, creases: &[f64]) -> Vec<First> {
         let rows = self.collapsed(creases);
+        let aside =
+            |row: &Row| creases[row.station] + row.share * (creases[row.station + 1] - creases[row.station]);
+        let skin = collapsed(&self.skin, aside);
         let bases = std::array::from_fn(|_| Basis::constant(2));
         let count = self.ground.len() as f64;
         let mean = |of: fn(&Known) -> f64| self.ground.iter().map(of).sum::<f64>() / count;
@@ -296,7 +323,7 @@ impl<'a> Plan<'a> {
         let around = Around { walls, relief: Relief::mean(&reliefs) };
         let ground = Known { tilt: mean(|known| known.tilt), bend: mean(|known| known.bend), around };
         let ground = [ground.clone(), ground];
-        let mut problem = self.bare(&rows, bases, &ground, false);
+        let mut problem = self.bare(&rows, &skin, bases, &ground, false);
         problem.priors = self.priors(&problem);
         let crease = problem.first(CREASE);
         let descended = STARTS.map(|[width, epsilon, side]| {
@@ -347,6 +374,17 @@ impl<'a> Plan<'a> {
             })
         };
         sums.iter().filter_map(row).collect()
+    }
+
+    /// The deviation of a cell of skin: robust, from the residuals.
+    pub(crate) fn skin_noise(&self, problem: &Problem<'_>, best: &Minimum) -> f64 {
+        let mut off: Vec<f64> = problem.left_of_skin(&best.unknowns).into_iter().map(f64::abs).collect();
+        if off.len() < LEAST_CELLS {
+            return SKIN_NOISE[0];
+        }
+        let middle = off.len() / 2;
+        let median = *off.select_nth_unstable_by(middle, f64::total_cmp).1;
+        (1.4826 * median).max(SKIN_NOISE[1]) * crate::tune("sc", SKIN_CORRELATED).sqrt()
     }
 
     /// The deviation of a pixel: robust, from the residuals.

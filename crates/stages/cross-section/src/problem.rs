@@ -2,6 +2,7 @@
 
 use crate::blur::{Bell, COLUMNS, Table};
 use crate::shading::{BEND, EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
+use crate::skin::Group;
 use crate::spline::Basis;
 use crate::walls::Around;
 use nalgebra::{DMatrix, DVector};
@@ -82,6 +83,8 @@ pub(crate) struct Prior {
 pub(crate) struct Problem<'a> {
     /// Pixels, by their stations.
     pub(crate) rows: &'a [Row],
+    /// Skin beside them.
+    pub(crate) skin: &'a [Group],
     pub(crate) bases: [Basis; FIELDS],
     pub(crate) priors: Vec<Prior>,
     /// Which of the constants are free.
@@ -95,6 +98,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) reach: f64,
     /// Deviation of a pixel, after the correlation of neighbours.
     pub(crate) noise: f64,
+    /// … and of a cell of skin.
+    pub(crate) skin_noise: f64,
     /// How far the crease may lie off the curve, px.
     pub(crate) aside: f64,
     /// ln of the largest width.
@@ -236,10 +241,18 @@ impl Problem<'_> {
     }
 
     /// All pixels with the model's light and its derivatives.
-    pub(crate) fn visit(&self, unknowns: &[f64], mut visit: impl FnMut(&Row, f64, &[f64; LOCAL])) {
-        let tables = self.tables(unknowns);
+    pub(crate) fn visit(&self, unknowns: &[f64], visit: impl FnMut(&Row, f64, &[f64; LOCAL])) {
+        self.visit_over(&self.tables(unknowns), unknowns, visit);
+    }
+
+    fn visit_over(
+        &self,
+        tables: &[Table],
+        unknowns: &[f64],
+        mut visit: impl FnMut(&Row, f64, &[f64; LOCAL]),
+    ) {
         for chunk in self.rows.chunk_by(|one, other| one.station == other.station) {
-            let ends = self.ends(unknowns, &tables, chunk[0].station);
+            let ends = self.ends(unknowns, tables, chunk[0].station);
             for row in chunk {
                 let (light, by) = self.model(row, &ends);
                 visit(row, light, &by);
@@ -253,7 +266,8 @@ impl Problem<'_> {
         let mut normal = Normal { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) };
         let mut cost = self.prior_cost(unknowns);
         let mut block = Block::new(0);
-        self.visit(unknowns, |row, light, by| {
+        let tables = self.tables(unknowns);
+        self.visit_over(&tables, unknowns, |row, light, by| {
             if row.station != block.station {
                 self.spread(&block, &mut normal);
                 block = Block::new(row.station);
@@ -264,11 +278,55 @@ impl Problem<'_> {
             block.add(by, residual / self.noise, row.weight * weight, self.noise);
         });
         self.spread(&block, &mut normal);
+        for group in self.skin {
+            let mut block = Block::new(group[0].station);
+            cost += self.beside(group, &self.ends(unknowns, &tables, block.station), Some(&mut block));
+            self.spread(&block, &mut normal);
+        }
         for prior in &self.priors {
             prior.add(unknowns, &mut normal);
         }
         self.hold(&mut normal);
         (cost, normal)
+    }
+
+    /// The cost of a group of skin: how bright skin is there is its own, so that the best level is taken, and out of the derivatives
+    /// what it takes up [Kaufman1975].
+    fn beside(&self, group: &Group, ends: &Ends<'_>, block: Option<&mut Block>) -> f64 {
+        let seen: Vec<(f64, [f64; LOCAL])> = group.iter().map(|row| self.model(row, ends)).collect();
+        let sum = |value: &dyn Fn(&Row, &(f64, [f64; LOCAL])) -> f64| -> f64 {
+            group.iter().zip(&seen).map(|(row, seen)| row.weight * value(row, seen)).sum()
+        };
+        let square = sum(&|_, (light, _)| light * light).max(1e-12);
+        let level = sum(&|row, (light, _)| row.light * light) / square;
+        let residual = |row: &Row, light: f64| (row.light - level * light) / self.skin_noise;
+        let cost = sum(&|row, (light, _)| huber(residual(row, *light)).0);
+        if let Some(block) = block {
+            let shares: [f64; LOCAL] = std::array::from_fn(|k| sum(&|_, (light, by)| light * by[k]) / square);
+            for (row, (light, by)) in group.iter().zip(&seen) {
+                let by = std::array::from_fn(|k| level * (by[k] - light * shares[k]));
+                let off = residual(row, *light);
+                block.add(&by, off / self.skin_noise, row.weight * huber(off).1, self.skin_noise);
+            }
+        }
+        cost
+    }
+
+    /// What is left of the skin's light, as shares of it.
+    pub(crate) fn left_of_skin(&self, unknowns: &[f64]) -> Vec<f64> {
+        let tables = self.tables(unknowns);
+        let mut left = Vec::new();
+        for group in self.skin {
+            let ends = self.ends(unknowns, &tables, group[0].station);
+            let seen: Vec<f64> = group.iter().map(|row| self.model(row, &ends).0).collect();
+            let square: f64 = seen.iter().map(|light| light * light).sum();
+            let level = group.iter().zip(&seen).map(|(row, light)| row.light * light).sum::<f64>()
+                / square.max(1e-12);
+            // The level takes one degree of freedom.
+            let few = (group.len() as f64 / (group.len() as f64 - 1.0)).sqrt();
+            left.extend(group.iter().zip(&seen).map(|(row, light)| few * (row.light - level * light)));
+        }
+        left
     }
 
     /// From the fields at two stations to their coefficients.
@@ -393,6 +451,8 @@ mod tests {
             albedo: 0.2,
             reach: 14.0,
             noise: 0.5,
+            skin: &[],
+            skin_noise: 0.5,
             aside: 9.0,
             widest: 4.0,
             ground: &ground,
