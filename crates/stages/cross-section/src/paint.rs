@@ -3,6 +3,7 @@
 use crate::Picture;
 use crate::albedo::extremes;
 use crate::curve::Curve;
+use crate::ridge::half_width;
 use nalgebra::Vector2;
 
 /// Added to linear light before ratios are taken, so that the dark ones do not drown in noise.
@@ -193,10 +194,16 @@ pub fn band(picture: &Picture, light: &[f64; 256], curve: &Curve, reach: f64) ->
         Pixel { light: sum / weight, ratio, ..pixel }
     };
     let pixels: Vec<Pixel> = placed.into_iter().map(lit).collect();
-    let skin = skin(picture, light, curve, reach, &ratios, &pixels).unwrap_or_default();
+    let half = half_width(pixels.iter().map(|pixel| ((pixel.x / ALONG_PX) as usize, pixel.p)));
+    let is_narrow = half < crate::tune("nar", NARROW_PX);
+    let skin =
+        is_narrow.then(|| skin(picture, light, curve, reach, &ratios, &pixels)).flatten().unwrap_or_default();
     Some(Band { pixels, skin, color, saturated, black })
 }
 
+/// Paint that reaches less far to both sides, px, shows too little of a valley: the skin beside it is asked as well. Told by places so far apart, px.
+const NARROW_PX: f64 = 8.0;
+const ALONG_PX: f64 = 10.0;
 /// Skin is looked at so far beyond the paint, px.
 const BESIDE_PX: f64 = 14.0;
 /// Log-ratios of skin differ by no more.
@@ -214,7 +221,7 @@ fn skin(
     paint: &[Pixel],
 ) -> Option<Vec<Pixel>> {
     let widest = paint.iter().map(|pixel| pixel.p.abs()).fold(0.0, f64::max);
-    let reach = crate::tune("sr", BESIDE_PX) + widest.min(reach) + EROSION as f64;
+    let reach = BESIDE_PX + widest.min(reach) + EROSION as f64;
     let window = Window::around(curve, reach, picture)?;
     let codes = |index: usize| {
         let [x, y] = window.place(index);

@@ -53,7 +53,7 @@ pub(crate) const NOISE: [f64; 2] = [0.02, 0.004];
 /// Noise of cells of skin as share of its light: at first, and the least.
 const SKIN_NOISE: [f64; 2] = [0.03, 0.006];
 /// So many of neighbouring cells count as one.
-const SKIN_CORRELATED: f64 = 3.0;
+const SKIN_CORRELATED: f64 = 20.0;
 /// Cells that tell their noise.
 const LEAST_CELLS: usize = 20;
 
@@ -164,10 +164,9 @@ impl<'a> Plan<'a> {
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by_key(|&pixel| all[pixel].station);
         let rows: Vec<Row> = order.iter().map(|&pixel| all[pixel]).collect();
-        let skin =
-            if crate::tune("skin", 1.0) > 0.0 { groups(&band.skin, intervals as usize, row) } else { vec![] };
+        let skin = groups(&band.skin, intervals as usize, row);
         let reach = rows.iter().chain(skin.iter().flatten()).map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
-        let half = half_width(&rows, intervals as usize);
+        let half = half_width(rows.iter().map(|row| (row.station, row.p)));
         let ln_width = (half / PAINT_WIDTHS).max(1.5).ln();
         let skyline = mean_skyline(ground);
         let ground = filled(ground, stations).filter(|_| params.tilt_deg.is_none());
@@ -384,7 +383,7 @@ impl<'a> Plan<'a> {
         }
         let middle = off.len() / 2;
         let median = *off.select_nth_unstable_by(middle, f64::total_cmp).1;
-        (1.4826 * median).max(SKIN_NOISE[1]) * crate::tune("sc", SKIN_CORRELATED).sqrt()
+        (1.4826 * median).max(SKIN_NOISE[1]) * SKIN_CORRELATED.sqrt()
     }
 
     /// The deviation of a pixel: robust, from the residuals.

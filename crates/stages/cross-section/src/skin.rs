@@ -42,6 +42,13 @@ pub(crate) fn groups(pixels: &[Pixel], intervals: usize, row: impl Fn(&Pixel) ->
         last = Some(*at);
     }
     groups.retain(|group| group.len() >= LEAST_CELLS);
+    {
+        let has = |station: usize, right: bool, groups: &[Group]| {
+            groups.iter().any(|group| group[0].station == station && (group[0].p > 0.0) == right)
+        };
+        let all = groups.clone();
+        groups.retain(|group| has(group[0].station, group[0].p < 0.0, &all));
+    }
     groups
 }
 
