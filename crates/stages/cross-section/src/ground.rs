@@ -17,9 +17,8 @@ const LEAST_PLACES: usize = 7;
 /// … within so far of each other in depth, as share of the section's length: beyond, another part of the face begins.
 const LEAP: f64 = 3.0;
 
-/// Places of a relief to each side.
+/// Places to each side of a curve at which its relief is looked at.
 const WIDE_PLACES: i32 = 20;
-const WIDE_LEAP: f64 = 3.0;
 
 /// So many of the surface's points are asked whether they hide the sky …
 const FAR_POINTS: usize = 4000;
@@ -135,19 +134,27 @@ impl<'a> Surface<'a> {
             bent(&section, view.dot(&across).atan2(view.dot(&normal)))?;
         let nearest = reach * self.size_of_pixel(&middle.point);
         let skyline = self.skyline(&middle.point, &[normal, across, along], nearest);
-        let (upright, level) = {
-            let (sine, cosine) = slope.atan().sin_cos();
-            (normal * cosine - across * sine, across * cosine + normal * sine)
-        };
-        let scale = px_per_mm;
-        let wide = (-WIDE_PLACES..=WIDE_PLACES).filter_map(|k| {
-            let hit = self.hit(place + right * (Relief::REACH * f64::from(k) / f64::from(WIDE_PLACES)))?;
-            let off = hit.point - middle.point;
-            (off.norm() < WIDE_LEAP * Relief::REACH * self.size_of_pixel(&middle.point))
-                .then(|| [scale * off.dot(&level), scale * off.dot(&upright)])
-        });
-        let relief = Relief::through(&wide.collect::<Vec<_>>());
+        let (sine, cosine) = slope.atan().sin_cos();
+        let level = [across * cosine + normal * sine, normal * cosine - across * sine];
+        let relief = self.relief(place, right, &middle.point, &level.map(|axis| axis * px_per_mm));
         Some(Ground { tilt_rad, bend_per_px, skyline, relief })
+    }
+
+    /// How the skin runs across, along two axes of px per mm: across and up.
+    fn relief(
+        &self,
+        place: Vector2<f64>,
+        right: Vector2<f64>,
+        middle: &Point3<f64>,
+        axes: &[Vector3<f64>; 2],
+    ) -> Option<Relief> {
+        let limit = LEAP * Relief::REACH * self.size_of_pixel(middle);
+        let seen = (-WIDE_PLACES..=WIDE_PLACES).filter_map(|k| {
+            let p = Relief::REACH * f64::from(k) / f64::from(WIDE_PLACES);
+            let off = self.hit(place + right * p)?.point - middle;
+            (off.norm() < limit).then(|| axes.map(|axis| off.dot(&axis)))
+        });
+        Relief::through(&seen.collect::<Vec<_>>())
     }
 
     /// How high what lies farther off than `nearest`, mm, stands around a place with axes up, across and along.
@@ -212,7 +219,8 @@ fn bounds(corners: &[Vector2<f64>; 3]) -> Option<[Vector2<f64>; 2]> {
         .then(|| [corners[0].inf(&corners[1]).inf(&corners[2]), corners[0].sup(&corners[1]).sup(&corners[2])])
 }
 
-/// From places (p in the image; s across and z off the skin, mm) to the tilt over the parabola through them and its bend.
+/// From places (p in the image; s across and z off the skin, mm) to the tilt over the parabola through them and its bend; and to the
+/// slope there and how many px a millimetre across is.
 fn bent(section: &[[f64; 3]], tilt: f64) -> Option<(f64, f64, [f64; 2])> {
     if section.len() < LEAST_PLACES {
         return None;

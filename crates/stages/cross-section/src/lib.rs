@@ -30,6 +30,8 @@
 //! ```
 
 mod albedo;
+mod bare;
+mod beside;
 mod blur;
 mod curve;
 mod descent;
@@ -64,17 +66,3 @@ pub use paint::{Band, Pixel, band};
 pub use paper::{SharpFit, SharpGroove};
 pub use params::{Model, Params};
 pub use steady::steadied;
-pub(crate) fn tune(name: &str, default: f64) -> f64 {
-    static ALL: std::sync::OnceLock<std::collections::BTreeMap<String, f64>> = std::sync::OnceLock::new();
-    let all = ALL.get_or_init(|| {
-        let words = std::env::var("TUNE").unwrap_or_default();
-        words
-            .split(',')
-            .filter_map(|w| {
-                let (a, b) = w.split_once('=')?;
-                Some((a.to_string(), b.parse().ok()?))
-            })
-            .collect()
-    });
-    all.get(name).copied().unwrap_or(default)
-}

@@ -213,7 +213,7 @@ fn section(fit: &Fit, curve: &Curve, x: f64, params: &Params, [is_covered, is_fl
         kappa: valley(fit.constants[LOPSIDED]),
         tilt_rad: fit.tilt(x).or(params.tilt_deg.map(f64::to_radians)),
         deviation: Some(deviation).filter(|spread| spread.w_px.is_finite() && spread.d_px.is_finite()),
-        residual: Some(if crate::tune("gain", 0.0) > 0.0 { fit.gain.max(0.0) } else { fit.misfits[station] / light }),
+        residual: Some(fit.misfits[station] / light),
         state,
     }
 }

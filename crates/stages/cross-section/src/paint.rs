@@ -2,8 +2,8 @@
 
 use crate::Picture;
 use crate::albedo::extremes;
+use crate::bare::bare_skin;
 use crate::curve::Curve;
-use crate::ridge::half_width;
 use nalgebra::Vector2;
 
 /// Added to linear light before ratios are taken, so that the dark ones do not drown in noise.
@@ -15,9 +15,9 @@ const NEAR: f64 = 2.5;
 /// Log-ratios so many robust deviations off are another colour …
 const DEVIATIONS: f64 = 6.0;
 /// … but not nearer and not farther than this.
-const DISTANCES: [f64; 2] = [0.25, 0.6];
+pub(crate) const DISTANCES: [f64; 2] = [0.25, 0.6];
 /// How far inside the paint's edge pixels must lie, px.
-const EROSION: i64 = 2;
+pub(crate) const EROSION: i64 = 2;
 /// Codes from here on may be clipped, and up to there hold no light.
 const SATURATED: u8 = 254;
 const BLACK: u8 = 3;
@@ -42,7 +42,7 @@ pub struct Pixel {
 pub struct Band {
     /// Pixels at least 2 px inside the paint.
     pub pixels: Vec<Pixel>,
-    /// Bare skin beside the paint, its light as share of bright skin's.
+    /// Bare skin beside paint that is narrow, its light as share of bright skin's.
     pub skin: Vec<Pixel>,
     /// Linear light of bright paint.
     pub color: [f64; 3],
@@ -53,14 +53,14 @@ pub struct Band {
 }
 
 /// A part of the image around a curve.
-struct Window {
+pub(crate) struct Window {
     corner: [i64; 2],
-    size: [usize; 2],
+    pub(crate) size: [usize; 2],
 }
 
 impl Window {
     /// Around the curve, up to `reach` px from it; none where that lies outside the image.
-    fn around(curve: &Curve, reach: f64, picture: &Picture) -> Option<Self> {
+    pub(crate) fn around(curve: &Curve, reach: f64, picture: &Picture) -> Option<Self> {
         let count = (curve.len() / 4.0).ceil().max(1.0);
         let places = (0..=count as usize).map(|i| curve.at(curve.len() * i as f64 / count).1);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -77,11 +77,11 @@ impl Window {
         (size[0] > 0 && size[1] > 0).then_some(Self { corner: from, size })
     }
 
-    fn place(&self, index: usize) -> [usize; 2] {
+    pub(crate) fn place(&self, index: usize) -> [usize; 2] {
         [index % self.size[0] + self.corner[0] as usize, index / self.size[0] + self.corner[1] as usize]
     }
 
-    fn index(&self, [x, y]: [i64; 2]) -> Option<usize> {
+    pub(crate) fn index(&self, [x, y]: [i64; 2]) -> Option<usize> {
         let (x, y) = (x - self.corner[0], y - self.corner[1]);
         let inside = x >= 0 && y >= 0 && (x as usize) < self.size[0] && (y as usize) < self.size[1];
         inside.then(|| y as usize * self.size[0] + x as usize)
@@ -89,20 +89,20 @@ impl Window {
 }
 
 /// Log-ratios of linear light by code: ln(G/R), ln(B/G).
-struct Ratios([f64; 256]);
+pub(crate) struct Ratios([f64; 256]);
 
 impl Ratios {
-    fn of(light: &[f64; 256]) -> Self {
+    pub(crate) fn of(light: &[f64; 256]) -> Self {
         Self(light.map(|light| (light + FLOOR).ln()))
     }
 
-    fn at(&self, codes: [u8; 3]) -> [f64; 2] {
+    pub(crate) fn at(&self, codes: [u8; 3]) -> [f64; 2] {
         let [r, g, b] = codes.map(|code| self.0[usize::from(code)]);
         [g - r, b - g]
     }
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
@@ -131,11 +131,11 @@ fn paint_color(curve: &Curve, picture: &Picture, ratios: &Ratios) -> Option<([f6
     Some((middle, (DEVIATIONS * median(&mut off)).clamp(DISTANCES[0], DISTANCES[1])))
 }
 
-fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
+pub(crate) fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
-fn is_usable(codes: [u8; 3]) -> bool {
+pub(crate) fn is_usable(codes: [u8; 3]) -> bool {
     codes.iter().all(|&code| code < SATURATED) && codes.iter().any(|&code| code > BLACK)
 }
 
@@ -194,83 +194,12 @@ pub fn band(picture: &Picture, light: &[f64; 256], curve: &Curve, reach: f64) ->
         Pixel { light: sum / weight, ratio, ..pixel }
     };
     let pixels: Vec<Pixel> = placed.into_iter().map(lit).collect();
-    let half = half_width(pixels.iter().map(|pixel| ((pixel.x / ALONG_PX) as usize, pixel.p)));
-    let is_narrow = half < crate::tune("nar", NARROW_PX);
-    let skin =
-        is_narrow.then(|| skin(picture, light, curve, reach, &ratios, &pixels)).flatten().unwrap_or_default();
+    let skin = bare_skin(picture, light, curve, &pixels, &ratios).unwrap_or_default();
     Some(Band { pixels, skin, color, saturated, black })
 }
 
-/// Paint that reaches less far to both sides, px, shows too little of a valley: the skin beside it is asked as well. Told by places so far apart, px.
-const NARROW_PX: f64 = 8.0;
-const ALONG_PX: f64 = 10.0;
-/// Skin is looked at so far beyond the paint, px.
-const BESIDE_PX: f64 = 14.0;
-/// Log-ratios of skin differ by no more.
-const SKIN_DISTANCE: f64 = 0.2;
-/// Skin lies at least so far from what is none, px.
-const CLEAR: i64 = 3;
-
-/// The skin beside the paint.
-fn skin(
-    picture: &Picture,
-    light: &[f64; 256],
-    curve: &Curve,
-    reach: f64,
-    ratios: &Ratios,
-    paint: &[Pixel],
-) -> Option<Vec<Pixel>> {
-    let widest = paint.iter().map(|pixel| pixel.p.abs()).fold(0.0, f64::max);
-    let reach = BESIDE_PX + widest.min(reach) + EROSION as f64;
-    let window = Window::around(curve, reach, picture)?;
-    let codes = |index: usize| {
-        let [x, y] = window.place(index);
-        picture.at(x, y)
-    };
-    let count = window.size[0] * window.size[1];
-    let found: Vec<[f64; 2]> = (0..count).map(|index| ratios.at(codes(index))).collect();
-    let near: Vec<bool> = (0..count).map(|index| is_usable(codes(index))).collect();
-    // Skin is what most of the window shows that is not this paint.
-    let middle_paint = paint_middle(paint, ratios, picture);
-    let others: Vec<usize> = (0..count)
-        .filter(|&index| near[index] && distance(&found[index], &middle_paint) > DISTANCES[1])
-        .collect();
-    let middle = [0, 1].map(|k| median(&mut others.iter().map(|&index| found[index][k]).collect::<Vec<_>>()));
-    let is_skin: Vec<bool> =
-        (0..count).map(|index| near[index] && distance(&found[index], &middle) < SKIN_DISTANCE).collect();
-    let is_clear = |index: usize| {
-        let [x, y] = window.place(index).map(|place| place as i64);
-        (-CLEAR..=CLEAR).all(|dy| {
-            (-CLEAR..=CLEAR).all(|dx| {
-                dx * dx + dy * dy > CLEAR * CLEAR
-                    || window.index([x + dx, y + dy]).is_some_and(|index| is_skin[index])
-            })
-        })
-    };
-    let placed = (0..count).filter(|&index| is_skin[index] && is_clear(index)).filter_map(|index| {
-        let [x, y] = window.place(index);
-        let foot = curve.foot(Vector2::new(x as f64, y as f64)).filter(|foot| foot.p.abs() <= reach)?;
-        let lights = codes(index).map(|code| light[usize::from(code)]);
-        Some((lights, Pixel { x: foot.x, p: foot.p, light: 0.0, ratio: 0.0, place: [x as u32, y as u32] }))
-    });
-    let placed: Vec<([f64; 3], Pixel)> = placed.collect();
-    let color = bright(placed.iter().map(|(lights, _)| *lights))?;
-    let weight = color.iter().map(|light| light * light).sum::<f64>();
-    let lit = |(lights, pixel): ([f64; 3], Pixel)| {
-        let sum: f64 = lights.iter().zip(color).map(|(light, color)| light * color).sum();
-        Pixel { light: sum / weight, ..pixel }
-    };
-    Some(placed.into_iter().map(lit).collect())
-}
-
-/// The median log-ratios of paint.
-fn paint_middle(paint: &[Pixel], ratios: &Ratios, picture: &Picture) -> [f64; 2] {
-    let at = |pixel: &Pixel| ratios.at(picture.at(pixel.place[0] as usize, pixel.place[1] as usize));
-    [0, 1].map(|k| median(&mut paint.iter().map(|pixel| at(pixel)[k]).collect::<Vec<_>>()))
-}
-
 /// The light of bright paint: the 80 % of each channel.
-fn bright(lights: impl Iterator<Item = [f64; 3]> + Clone) -> Option<[f64; 3]> {
+pub(crate) fn bright(lights: impl Iterator<Item = [f64; 3]> + Clone) -> Option<[f64; 3]> {
     let channel = |k: usize| {
         let mut values: Vec<f64> = lights.clone().map(|light| light[k]).collect();
         let place = values.len() * 4 / 5;

@@ -37,7 +37,7 @@ const BEND_SPREAD: f64 = 0.03;
 /// Means and deviations of ε, κ, g, t.
 const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.3], [0.0, 0.12], [0.0, 0.06], [0.0, 0.3]];
 /// Deviations of what geometry says of t and of the curvature, per 10 px.
-const GROUND_SPREADS: [f64; 2] = [0.06, 0.008];
+const GROUND_SPREADS: [f64; 2] = [0.025, 0.008];
 /// No view on a wrinkle leans more, as a tangent: beyond, it shows nothing.
 const MOST_TILT: f64 = 3.0;
 /// The first curve is off the crease by so much, px.
@@ -235,12 +235,12 @@ impl<'a> Plan<'a> {
     fn priors(&self, problem: &Problem<'_>) -> Vec<Prior> {
         let mut priors = Vec::new();
         let values = [
-            Some((self.ln_width, crate::tune("ws", WIDTH_SPREAD))),
+            Some((self.ln_width, WIDTH_SPREAD)),
             Some((RATIO.ln(), RATIO_SPREAD)),
             Some((0.0, CREASE_SPREAD)),
             None,
-            Some((0.0, if self.is_known { crate::tune("rs", RISE_SPREAD) } else { RISE_SPREAD })),
-            Some((0.0, if self.is_known { crate::tune("bs", GROUND_SPREADS[1]) } else { BEND_SPREAD })),
+            Some((0.0, RISE_SPREAD)),
+            Some((0.0, if self.is_known { GROUND_SPREADS[1] } else { BEND_SPREAD })),
         ];
         for (field, value) in values.into_iter().enumerate() {
             let (first, count) = (problem.first(field), problem.bases[field].count);
@@ -261,14 +261,7 @@ impl<'a> Plan<'a> {
         for (constant, [mean, deviation]) in CONSTANT_PRIORS.into_iter().enumerate() {
             if problem.free[constant] {
                 let known = self.is_known && constant == TILTED;
-                let deviation = if known { crate::tune("ts", 0.025) } else { deviation };
-                let deviation = match (self.is_known, constant) {
-                    (true, 1) => crate::tune("ks", deviation),
-                    (true, 2) => crate::tune("gs", deviation),
-                    (true, 0) => crate::tune("es", deviation),
-                    _ => deviation,
-                };
-                let mean = if constant == 0 { crate::tune("em", mean) } else { mean };
+                let deviation = if known { GROUND_SPREADS[0] } else { deviation };
                 priors.push(Prior { terms: vec![(first + constant, 1.0)], mean, deviation });
             }
         }

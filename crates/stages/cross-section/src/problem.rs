@@ -29,7 +29,7 @@ const BEND_PX: f64 = 10.0;
 /// The light's rise is per so many px.
 pub(crate) const RISE_PX: f64 = 20.0;
 /// Unknowns that one pixel hangs on: the fields at two stations, and the constants.
-const LOCAL: usize = 2 * FIELDS + CONSTANTS;
+pub(crate) const LOCAL: usize = 2 * FIELDS + CONSTANTS;
 /// Residuals beyond so many deviations count linearly [Huber1964].
 const HUBER: f64 = 3.0;
 /// Where unknowns may lie.
@@ -158,7 +158,7 @@ impl Problem<'_> {
         }
     }
 
-    fn tables(&self, unknowns: &[f64]) -> Vec<Table> {
+    pub(crate) fn tables(&self, unknowns: &[f64]) -> Vec<Table> {
         let constants = self.constants(unknowns);
         let mut tables: Vec<Table> = Vec::with_capacity(self.stations());
         let mut last: Option<Groove> = None;
@@ -194,7 +194,7 @@ impl Problem<'_> {
     }
 
     /// The model's light and, per unknown of [`LOCAL`], its derivative.
-    fn model(&self, row: &Row, ends: &Ends<'_>) -> (f64, [f64; LOCAL]) {
+    pub(crate) fn model(&self, row: &Row, ends: &Ends<'_>) -> (f64, [f64; LOCAL]) {
         let shares = [1.0 - row.share, row.share];
         let mix = |field: usize| shares[0] * ends.fields[0][field] + shares[1] * ends.fields[1][field];
         let (place, level) = (row.p - mix(CREASE), mix(LN_LIGHT).exp());
@@ -221,7 +221,7 @@ impl Problem<'_> {
         (gain * light, by)
     }
 
-    fn ends<'t>(&self, unknowns: &[f64], tables: &'t [Table], station: usize) -> Ends<'t> {
+    pub(crate) fn ends<'t>(&self, unknowns: &[f64], tables: &'t [Table], station: usize) -> Ends<'t> {
         let next = (station + 1).min(self.stations() - 1);
         let fields = [station, next].map(|at| std::array::from_fn(|field| self.field(unknowns, field, at)));
         Ends { fields, tables: [&tables[station], &tables[next]] }
@@ -290,45 +290,6 @@ impl Problem<'_> {
         (cost, normal)
     }
 
-    /// The cost of a group of skin: how bright skin is there is its own, so that the best level is taken, and out of the derivatives
-    /// what it takes up [Kaufman1975].
-    fn beside(&self, group: &Group, ends: &Ends<'_>, block: Option<&mut Block>) -> f64 {
-        let seen: Vec<(f64, [f64; LOCAL])> = group.iter().map(|row| self.model(row, ends)).collect();
-        let sum = |value: &dyn Fn(&Row, &(f64, [f64; LOCAL])) -> f64| -> f64 {
-            group.iter().zip(&seen).map(|(row, seen)| row.weight * value(row, seen)).sum()
-        };
-        let square = sum(&|_, (light, _)| light * light).max(1e-12);
-        let level = sum(&|row, (light, _)| row.light * light) / square;
-        let residual = |row: &Row, light: f64| (row.light - level * light) / self.skin_noise;
-        let cost = sum(&|row, (light, _)| huber(residual(row, *light)).0);
-        if let Some(block) = block {
-            let shares: [f64; LOCAL] = std::array::from_fn(|k| sum(&|_, (light, by)| light * by[k]) / square);
-            for (row, (light, by)) in group.iter().zip(&seen) {
-                let by = std::array::from_fn(|k| level * (by[k] - light * shares[k]));
-                let off = residual(row, *light);
-                block.add(&by, off / self.skin_noise, row.weight * huber(off).1, self.skin_noise);
-            }
-        }
-        cost
-    }
-
-    /// What is left of the skin's light, as shares of it.
-    pub(crate) fn left_of_skin(&self, unknowns: &[f64]) -> Vec<f64> {
-        let tables = self.tables(unknowns);
-        let mut left = Vec::new();
-        for group in self.skin {
-            let ends = self.ends(unknowns, &tables, group[0].station);
-            let seen: Vec<f64> = group.iter().map(|row| self.model(row, &ends).0).collect();
-            let square: f64 = seen.iter().map(|light| light * light).sum();
-            let level = group.iter().zip(&seen).map(|(row, light)| row.light * light).sum::<f64>()
-                / square.max(1e-12);
-            // The level takes one degree of freedom.
-            let few = (group.len() as f64 / (group.len() as f64 - 1.0)).sqrt();
-            left.extend(group.iter().zip(&seen).map(|(row, light)| few * (row.light - level * light)));
-        }
-        left
-    }
-
     /// From the fields at two stations to their coefficients.
     fn spread(&self, block: &Block, normal: &mut Normal) {
         let next = (block.station + 1).min(self.stations() - 1);
@@ -370,13 +331,13 @@ impl Problem<'_> {
 }
 
 /// The fields and tables at the two ends of an interval.
-struct Ends<'t> {
+pub(crate) struct Ends<'t> {
     fields: [[f64; FIELDS]; 2],
     tables: [&'t Table; 2],
 }
 
 /// The normal equations of the pixels between two stations; the upper triangle.
-struct Block {
+pub(crate) struct Block {
     station: usize,
     matrix: [[f64; LOCAL]; LOCAL],
     gradient: [f64; LOCAL],
@@ -387,7 +348,7 @@ impl Block {
         Self { station, matrix: [[0.0; LOCAL]; LOCAL], gradient: [0.0; LOCAL] }
     }
 
-    fn add(&mut self, by: &[f64; LOCAL], residual: f64, weight: f64, noise: f64) {
+    pub(crate) fn add(&mut self, by: &[f64; LOCAL], residual: f64, weight: f64, noise: f64) {
         let scale = weight / (noise * noise);
         for i in 0..LOCAL {
             self.gradient[i] += weight * residual * by[i];
@@ -441,6 +402,15 @@ mod tests {
             .collect();
         let (nodes, bell) = (places(), Bell::new());
         let ground = vec![Known { tilt: 0.1, bend: -0.004, around: Around::default() }; 5];
+        let beside = |from: f64, station: usize| -> Group {
+            let row = |k: u32| {
+                let p = from + 2.0 * f64::from(k) * from.signum();
+                let light = 0.6 * (1.0 - 0.3 * (-p.abs() / 5.0).exp());
+                Row { station, share: 0.5, p, light, weight: 2.0 }
+            };
+            (0..5).map(row).collect()
+        };
+        let skin = [beside(-9.0, 1), beside(9.0, 1), beside(10.0, 3)];
         let mut problem = Problem {
             rows: &rows,
             bases: std::array::from_fn(|field| Basis::new(32.0, 12.0 + 6.0 * field as f64, 5)),
@@ -451,8 +421,8 @@ mod tests {
             albedo: 0.2,
             reach: 14.0,
             noise: 0.5,
-            skin: &[],
-            skin_noise: 0.5,
+            skin: &skin,
+            skin_noise: 0.1,
             aside: 9.0,
             widest: 4.0,
             ground: &ground,

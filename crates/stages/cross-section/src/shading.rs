@@ -346,6 +346,7 @@ impl Lit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::walls::Skyline;
 
     fn groove() -> Groove {
         Groove {
@@ -375,18 +376,29 @@ mod tests {
         changed
     }
 
+    /// Beside a nose: the ground rises, and the sky begins high on one side.
+    fn nose() -> Around {
+        let ground: Vec<[f64; 2]> =
+            (-40..=40).map(f64::from).map(|x| [x, 0.002 * x * x + 0.0001 * x * x * x]).collect();
+        let mut skyline = Skyline::default();
+        skyline[1] = [0.1, 0.3, 0.5, 0.7, 0.6, 0.4, 0.1, 0.0];
+        Around { walls: Walls::of(&skyline), relief: Relief::through(&ground) }
+    }
+
     #[test]
     fn derivatives_are_those_of_differences() {
-        for (name, groove) in [
-            ("all", groove()),
-            ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }),
-            ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }),
+        let open = Around::default();
+        for (name, groove, around) in [
+            ("all", groove(), &open),
+            ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }, &open),
+            ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }, &open),
+            ("beside a nose", groove(), &nose()),
         ] {
-            let lit = Lit::of(&groove, &Around::default(), &places());
+            let lit = Lit::of(&groove, around, &places());
             for parameter in 0..PARAMETERS {
                 let step = 1e-6;
-                let [less, more] = [-step, step]
-                    .map(|by| Lit::of(&changed(&groove, parameter, by), &Around::default(), &places()));
+                let [less, more] =
+                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), around, &places()));
                 for node in 0..NODES {
                     let light = (more.light[node] - less.light[node]) / (2.0 * step);
                     let at = (more.at[node] - less.at[node]) / (2.0 * step);

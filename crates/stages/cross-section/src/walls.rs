@@ -84,3 +84,49 @@ fn taken(slopes: &[f64; SECTORS], entry: usize) -> [f64; 2] {
 pub(crate) fn azimuth(sector: usize) -> f64 {
     PI * ((sector as f64 + 0.5) / SECTORS as f64 - 0.5)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The light of a point between horizons of a groove and of the face, by brute force.
+    fn summed(skyline: &Skyline, [left, right]: [f64; 2], slope: f64) -> f64 {
+        let along = 1.0 / (1.0 + slope * slope).sqrt();
+        let steps = 4000;
+        let sum = |side: usize, sector: usize| -> f64 {
+            let cosine = azimuth(sector).cos();
+            let own = [left, right][side] * cosine;
+            let lean = if side == 1 { -slope } else { slope };
+            (0..steps)
+                .map(|k| 0.5 * PI * (f64::from(k) + 0.5) / f64::from(steps))
+                .filter(|e| e.tan() > own.max(skyline[side][sector]))
+                .map(|e| along * (e.sin() + lean * cosine * e.cos()) * e.cos())
+                .sum()
+        };
+        let all: f64 = (0..2).flat_map(|side| (0..SECTORS).map(move |sector| sum(side, sector))).sum();
+        all * 0.5 * PI / f64::from(steps) / SECTORS as f64
+    }
+
+    #[test]
+    fn walls_take_what_the_sum_over_the_sky_says() {
+        let skyline: Skyline =
+            [[0.0, 0.2, 0.1, 0.0, 0.3, 0.9, 1.4, 0.5], [0.4, 0.4, 0.2, 0.1, 0.0, 0.0, 0.6, 0.2]];
+        let walls = Walls::of(&skyline).unwrap();
+        for ([left, right], slope) in [([0.0, 0.0], 0.0), ([0.1, 0.6], 0.5), ([0.9, 0.3], -0.7)] {
+            let [left_loss, right_loss] =
+                [walls.loss(0, left), walls.loss(1, right)].map(|loss: Loss| loss.value);
+            let along = 1.0 / f64::hypot(1.0, slope);
+            let taken = along * (left_loss[0] + slope * left_loss[1] + right_loss[0] - slope * right_loss[1]);
+            let wanted =
+                summed(&Skyline::default(), [left, right], slope) - summed(&skyline, [left, right], slope);
+            assert!((taken - wanted).abs() < 2e-3, "{left} {right} {slope}: {taken} {wanted}");
+        }
+        let open = summed(&skyline, [0.0; 2], 0.0);
+        assert!((walls.open() - open).abs() < 1e-3);
+    }
+
+    #[test]
+    fn an_open_sky_has_no_walls() {
+        assert!(Walls::of(&Skyline::default()).is_none());
+    }
+}
