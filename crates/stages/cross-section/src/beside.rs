@@ -3,12 +3,15 @@
 use crate::problem::{Block, Ends, LOCAL, Problem, Row, huber};
 use crate::skin::Group;
 
+/// What the model says of a cell, and its derivatives.
+type Said = (f64, [f64; LOCAL]);
+
 impl Problem<'_> {
     /// The cost of a group of skin: how bright skin is there is its own, so that the best level is taken, and out of the derivatives
     /// what it takes up [Kaufman1975].
     pub(crate) fn beside(&self, group: &Group, ends: &Ends<'_>, block: Option<&mut Block>) -> f64 {
-        let seen: Vec<(f64, [f64; LOCAL])> = group.iter().map(|row| self.model(row, ends)).collect();
-        let sum = |value: &dyn Fn(&Row, &(f64, [f64; LOCAL])) -> f64| -> f64 {
+        let seen: Vec<Said> = group.iter().map(|row| self.model(row, ends)).collect();
+        let sum = |value: &dyn Fn(&Row, &Said) -> f64| -> f64 {
             group.iter().zip(&seen).map(|(row, seen)| row.weight * value(row, seen)).sum()
         };
         let square = sum(&|_, (light, _)| light * light).max(1e-12);

@@ -38,6 +38,14 @@ pub struct Ground {
     pub(crate) relief: Option<Relief>,
 }
 
+impl Ground {
+    /// A bent strip of skin under the open sky.
+    #[must_use]
+    pub fn strip(tilt_rad: f64, bend_per_px: f64) -> Self {
+        Self { tilt_rad, bend_per_px, skyline: Skyline::default(), relief: None }
+    }
+}
+
 /// A surface without wrinkles as a camera sees it, near some curves.
 pub struct Surface<'a> {
     camera: &'a Camera,
