@@ -86,7 +86,7 @@ mod tests {
                 place: [0, 0],
             }
         };
-        Band { pixels: (0..4000).map(pixel).collect(), color, saturated: 0, black: 0 }
+        Band { pixels: (0..4000).map(pixel).collect(), color, skin: vec![], saturated: 0, black: 0 }
     }
 
     #[test]

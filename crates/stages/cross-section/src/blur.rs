@@ -184,6 +184,7 @@ fn gauss(x: f64) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::shading::{Groove, places};
+    use crate::walls::Around;
 
     #[test]
     fn a_table_holds_the_blurred_light() {
@@ -196,8 +197,9 @@ mod tests {
             skew: 0.0,
             tilt: 0.2,
             albedo: 0.0,
+            aside: 0.0,
         };
-        let lit = Lit::of(&groove, &places());
+        let lit = Lit::of(&groove, &Around::default(), &places());
         let table = Table::of(&lit, 0.8, 15.0, &Bell::new());
         let sharp = |q: f64| {
             let after = lit.at[..lit.count].partition_point(|at| *at < q).clamp(1, lit.count - 1);

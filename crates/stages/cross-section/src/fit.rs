@@ -5,7 +5,7 @@ use crate::ground::Ground;
 use crate::paint::Band;
 use crate::params::Params;
 use crate::plan::{CORRELATED, PAINT_WIDTHS, Plan, RATIO};
-use crate::problem::{CONSTANTS, FIELDS, LN_RATIO, LN_WIDTH, Problem, ROUND, TILTED, huber};
+use crate::problem::{CONSTANTS, FIELDS, Known, LN_RATIO, LN_WIDTH, Problem, ROUND, TILTED, huber};
 use crate::ridge::ridge;
 use crate::smooth::smooth_light;
 use nalgebra::DMatrix;
@@ -41,8 +41,8 @@ pub(crate) struct Fit {
     pub(crate) spacing: f64,
     /// Per pixel of the band the model's light.
     pub(crate) model: Vec<f64>,
-    /// What geometry said of t and of the curvature, per station; empty where it said nothing.
-    ground: Vec<[f64; 2]>,
+    /// What geometry said, per station; empty where it said nothing.
+    ground: Vec<Known>,
 }
 
 impl Fit {
@@ -69,6 +69,7 @@ impl Fit {
         let mut best = tried.reduce(|best, other| if other.cost < best.cost { other } else { best })?;
         let noise = plan.noise(&problem, &best);
         (problem.noise, flat.noise) = (noise, noise);
+        problem.skin_noise = plan.skin_noise(&problem, &best);
         best = descend(&problem, &best.unknowns, 15, 0.05);
         if problem.constants(&best.unknowns)[ROUND] < 0.6 {
             best = sharpened(&mut problem, best);
@@ -90,7 +91,7 @@ impl Fit {
     /// The tangent of the tilt that geometry says.
     fn known_tilt(&self, x: f64) -> Option<f64> {
         let nearest = (x / self.spacing).round() as usize;
-        self.ground.get(nearest.min(self.ground.len().saturating_sub(1))).map(|known| known[0])
+        self.ground.get(nearest.min(self.ground.len().saturating_sub(1))).map(|known| known.tilt)
     }
 
     /// Fields at a length along the wrinkle, with the deviations.

@@ -1,6 +1,8 @@
 //! The skin around a wrinkle as the geometry knows it: how the camera leans over it, and how it bends.
 
 use crate::curve::Curve;
+use crate::relief::Relief;
+use crate::walls::{SECTORS, Skyline};
 use camera::Camera;
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
@@ -15,6 +17,14 @@ const LEAST_PLACES: usize = 7;
 /// … within so far of each other in depth, as share of the section's length: beyond, another part of the face begins.
 const LEAP: f64 = 3.0;
 
+/// Places to each side of a curve at which its relief is looked at.
+const WIDE_PLACES: i32 = 20;
+
+/// So many of the surface's points are asked whether they hide the sky …
+const FAR_POINTS: usize = 4000;
+/// … those that rise by less per length do not.
+const LEAST_RISE: f64 = 0.03;
+
 /// How a camera sees a place of the skin without its wrinkle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground {
@@ -22,6 +32,18 @@ pub struct Ground {
     pub tilt_rad: f64,
     /// Curvature across the wrinkle, 1/px of the image there; positive where the skin is hollow.
     pub bend_per_px: f64,
+    /// Slopes of the horizon that the rest of the face makes, left and right of the wrinkle, by azimuth.
+    pub(crate) skyline: Skyline,
+    /// How the skin runs across the wrinkle.
+    pub(crate) relief: Option<Relief>,
+}
+
+impl Ground {
+    /// A bent strip of skin under the open sky.
+    #[must_use]
+    pub fn strip(tilt_rad: f64, bend_per_px: f64) -> Self {
+        Self { tilt_rad, bend_per_px, skyline: Skyline::default(), relief: None }
+    }
 }
 
 /// A surface without wrinkles as a camera sees it, near some curves.
@@ -34,6 +56,8 @@ pub struct Surface<'a> {
     columns: usize,
     /// Per cell its triangles.
     cells: Vec<Vec<u32>>,
+    /// Some of the points: what hides the sky from afar.
+    far: Vec<Point3<f64>>,
 }
 
 /// A place on the surface.
@@ -76,7 +100,8 @@ impl<'a> Surface<'a> {
                 }
             }
         }
-        Self { camera, points, normals, triangles, pixels, columns, cells }
+        let far = points.iter().step_by((points.len() / FAR_POINTS).max(1)).copied().collect();
+        Self { camera, points, normals, triangles, pixels, columns, cells, far }
     }
 
     /// The ground along a curve, at `count` even places from its start to its end, as far as `reach` px to both sides tell; none
@@ -113,7 +138,50 @@ impl<'a> Surface<'a> {
         });
         let section: Vec<[f64; 3]> = section.collect();
         let view = self.camera.eye_in_world() - middle.point;
-        bent(&section, view.dot(&across).atan2(view.dot(&normal)))
+        let (tilt_rad, bend_per_px, [slope, px_per_mm]) =
+            bent(&section, view.dot(&across).atan2(view.dot(&normal)))?;
+        let nearest = reach * self.size_of_pixel(&middle.point);
+        let skyline = self.skyline(&middle.point, &[normal, across, along], nearest);
+        let (sine, cosine) = slope.atan().sin_cos();
+        let level = [across * cosine + normal * sine, normal * cosine - across * sine];
+        let relief = self.relief(place, right, &middle.point, &level.map(|axis| axis * px_per_mm));
+        Some(Ground { tilt_rad, bend_per_px, skyline, relief })
+    }
+
+    /// How the skin runs across, along two axes of px per mm: across and up.
+    fn relief(
+        &self,
+        place: Vector2<f64>,
+        right: Vector2<f64>,
+        middle: &Point3<f64>,
+        axes: &[Vector3<f64>; 2],
+    ) -> Option<Relief> {
+        let limit = LEAP * Relief::REACH * self.size_of_pixel(middle);
+        let seen = (-WIDE_PLACES..=WIDE_PLACES).filter_map(|k| {
+            let p = Relief::REACH * f64::from(k) / f64::from(WIDE_PLACES);
+            let off = self.hit(place + right * p)?.point - middle;
+            (off.norm() < limit).then(|| axes.map(|axis| off.dot(&axis)))
+        });
+        Relief::through(&seen.collect::<Vec<_>>())
+    }
+
+    /// How high what lies farther off than `nearest`, mm, stands around a place with axes up, across and along.
+    fn skyline(&self, place: &Point3<f64>, axes: &[Vector3<f64>; 3], nearest: f64) -> Skyline {
+        let mut squares = Skyline::default();
+        for point in &self.far {
+            let off = point - place;
+            let up = off.dot(&axes[0]);
+            let run = off.norm_squared() - up * up;
+            if up <= 0.0 || run < nearest * nearest || up * up < LEAST_RISE * LEAST_RISE * run {
+                continue;
+            }
+            let (across, along) = (off.dot(&axes[1]), off.dot(&axes[2]));
+            let share = 0.5 + along.atan2(across.abs()) / std::f64::consts::PI;
+            let sector = ((share * SECTORS as f64) as usize).min(SECTORS - 1);
+            let highest = &mut squares[usize::from(across > 0.0)][sector];
+            *highest = highest.max(up * up / run);
+        }
+        squares.map(|side| side.map(f64::sqrt))
     }
 
     /// mm of the world that one pixel shows at a point.
@@ -159,15 +227,16 @@ fn bounds(corners: &[Vector2<f64>; 3]) -> Option<[Vector2<f64>; 2]> {
         .then(|| [corners[0].inf(&corners[1]).inf(&corners[2]), corners[0].sup(&corners[1]).sup(&corners[2])])
 }
 
-/// From places (p in the image; s across and z off the skin, mm) to the tilt over the parabola through them and its bend.
-fn bent(section: &[[f64; 3]], tilt: f64) -> Option<Ground> {
+/// From places (p in the image; s across and z off the skin, mm) to the tilt over the parabola through them and its bend; and to the
+/// slope there and how many px a millimetre across is.
+fn bent(section: &[[f64; 3]], tilt: f64) -> Option<(f64, f64, [f64; 2])> {
     if section.len() < LEAST_PLACES {
         return None;
     }
     let [_, slope, half] = parabola(section.iter().map(|[_, s, z]| [*s, *z]))?;
     let [_, px_per_mm, _] = parabola(section.iter().map(|[p, s, _]| [*s, *p]))?;
     let curvature = 2.0 * half / (1.0 + slope * slope).powf(1.5);
-    (px_per_mm > 1e-6).then(|| Ground { tilt_rad: tilt + slope.atan(), bend_per_px: curvature / px_per_mm })
+    (px_per_mm > 1e-6).then(|| (tilt + slope.atan(), curvature / px_per_mm, [slope, px_per_mm]))
 }
 
 /// The coefficients of `a + b x + c x²` through points, by least squares.

@@ -30,6 +30,8 @@
 //! ```
 
 mod albedo;
+mod bare;
+mod beside;
 mod blur;
 mod curve;
 mod descent;
@@ -44,11 +46,14 @@ mod params;
 mod plan;
 mod problem;
 mod profile;
+mod relief;
 mod ridge;
 mod shading;
+mod skin;
 mod smooth;
 mod spline;
 mod steady;
+mod walls;
 
 pub use albedo::estimate_albedo;
 pub use artifact::picture::Picture;

@@ -2,6 +2,7 @@
 
 use crate::Picture;
 use crate::albedo::extremes;
+use crate::bare::bare_skin;
 use crate::curve::Curve;
 use nalgebra::Vector2;
 
@@ -14,9 +15,9 @@ const NEAR: f64 = 2.5;
 /// Log-ratios so many robust deviations off are another colour …
 const DEVIATIONS: f64 = 6.0;
 /// … but not nearer and not farther than this.
-const DISTANCES: [f64; 2] = [0.25, 0.6];
+pub(crate) const DISTANCES: [f64; 2] = [0.25, 0.6];
 /// How far inside the paint's edge pixels must lie, px.
-const EROSION: i64 = 2;
+pub(crate) const EROSION: i64 = 2;
 /// Codes from here on may be clipped, and up to there hold no light.
 const SATURATED: u8 = 254;
 const BLACK: u8 = 3;
@@ -41,6 +42,8 @@ pub struct Pixel {
 pub struct Band {
     /// Pixels at least 2 px inside the paint.
     pub pixels: Vec<Pixel>,
+    /// Bare skin beside paint that is narrow, its light as share of bright skin's.
+    pub skin: Vec<Pixel>,
     /// Linear light of bright paint.
     pub color: [f64; 3],
     /// Painted pixels that were left out because a channel is saturated.
@@ -50,14 +53,14 @@ pub struct Band {
 }
 
 /// A part of the image around a curve.
-struct Window {
+pub(crate) struct Window {
     corner: [i64; 2],
-    size: [usize; 2],
+    pub(crate) size: [usize; 2],
 }
 
 impl Window {
     /// Around the curve, up to `reach` px from it; none where that lies outside the image.
-    fn around(curve: &Curve, reach: f64, picture: &Picture) -> Option<Self> {
+    pub(crate) fn around(curve: &Curve, reach: f64, picture: &Picture) -> Option<Self> {
         let count = (curve.len() / 4.0).ceil().max(1.0);
         let places = (0..=count as usize).map(|i| curve.at(curve.len() * i as f64 / count).1);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -74,11 +77,11 @@ impl Window {
         (size[0] > 0 && size[1] > 0).then_some(Self { corner: from, size })
     }
 
-    fn place(&self, index: usize) -> [usize; 2] {
+    pub(crate) fn place(&self, index: usize) -> [usize; 2] {
         [index % self.size[0] + self.corner[0] as usize, index / self.size[0] + self.corner[1] as usize]
     }
 
-    fn index(&self, [x, y]: [i64; 2]) -> Option<usize> {
+    pub(crate) fn index(&self, [x, y]: [i64; 2]) -> Option<usize> {
         let (x, y) = (x - self.corner[0], y - self.corner[1]);
         let inside = x >= 0 && y >= 0 && (x as usize) < self.size[0] && (y as usize) < self.size[1];
         inside.then(|| y as usize * self.size[0] + x as usize)
@@ -86,20 +89,20 @@ impl Window {
 }
 
 /// Log-ratios of linear light by code: ln(G/R), ln(B/G).
-struct Ratios([f64; 256]);
+pub(crate) struct Ratios([f64; 256]);
 
 impl Ratios {
-    fn of(light: &[f64; 256]) -> Self {
+    pub(crate) fn of(light: &[f64; 256]) -> Self {
         Self(light.map(|light| (light + FLOOR).ln()))
     }
 
-    fn at(&self, codes: [u8; 3]) -> [f64; 2] {
+    pub(crate) fn at(&self, codes: [u8; 3]) -> [f64; 2] {
         let [r, g, b] = codes.map(|code| self.0[usize::from(code)]);
         [g - r, b - g]
     }
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
@@ -128,11 +131,11 @@ fn paint_color(curve: &Curve, picture: &Picture, ratios: &Ratios) -> Option<([f6
     Some((middle, (DEVIATIONS * median(&mut off)).clamp(DISTANCES[0], DISTANCES[1])))
 }
 
-fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
+pub(crate) fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
-fn is_usable(codes: [u8; 3]) -> bool {
+pub(crate) fn is_usable(codes: [u8; 3]) -> bool {
     codes.iter().all(|&code| code < SATURATED) && codes.iter().any(|&code| code > BLACK)
 }
 
@@ -191,11 +194,12 @@ pub fn band(picture: &Picture, light: &[f64; 256], curve: &Curve, reach: f64) ->
         Pixel { light: sum / weight, ratio, ..pixel }
     };
     let pixels: Vec<Pixel> = placed.into_iter().map(lit).collect();
-    Some(Band { pixels, color, saturated, black })
+    let skin = bare_skin(picture, light, curve, &pixels, &ratios).unwrap_or_default();
+    Some(Band { pixels, skin, color, saturated, black })
 }
 
 /// The light of bright paint: the 80 % of each channel.
-fn bright(lights: impl Iterator<Item = [f64; 3]> + Clone) -> Option<[f64; 3]> {
+pub(crate) fn bright(lights: impl Iterator<Item = [f64; 3]> + Clone) -> Option<[f64; 3]> {
     let channel = |k: usize| {
         let mut values: Vec<f64> = lights.clone().map(|light| light[k]).collect();
         let place = values.len() * 4 / 5;

@@ -6,11 +6,14 @@ use crate::ground::Ground;
 use crate::paint::{Band, Pixel};
 use crate::params::Params;
 use crate::problem::{
-    CONSTANTS, CREASE, FIELDS, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
+    CONSTANTS, CREASE, FIELDS, Known, LN_LIGHT, LN_RATIO, LN_WIDTH, Prior, Problem, ROUND, Row, TILTED,
 };
+use crate::relief::Relief;
 use crate::ridge::half_width;
 use crate::shading::{NODES, places};
+use crate::skin::{Group, collapsed, groups};
 use crate::spline::Basis;
+use crate::walls::{Around, SECTORS, Skyline, Walls};
 
 /// Distance of the stations at which the model is computed, px.
 const STATION_PX: f64 = 10.0;
@@ -34,7 +37,7 @@ const BEND_SPREAD: f64 = 0.03;
 /// Means and deviations of ε, κ, g, t.
 const CONSTANT_PRIORS: [[f64; 2]; CONSTANTS] = [[0.4, 0.3], [0.0, 0.12], [0.0, 0.06], [0.0, 0.3]];
 /// Deviations of what geometry says of t and of the curvature, per 10 px.
-const GROUND_SPREADS: [f64; 2] = [0.06, 0.008];
+const GROUND_SPREADS: [f64; 2] = [0.025, 0.008];
 /// No view on a wrinkle leans more, as a tangent: beyond, it shows nothing.
 const MOST_TILT: f64 = 3.0;
 /// The first curve is off the crease by so much, px.
@@ -46,6 +49,13 @@ const ASIDE: f64 = 0.3;
 pub(crate) const CORRELATED: f64 = 3.0;
 /// Noise as share of the light on open paint: at first, and the least.
 pub(crate) const NOISE: [f64; 2] = [0.02, 0.004];
+
+/// Noise of cells of skin as share of its light: at first, and the least.
+const SKIN_NOISE: [f64; 2] = [0.03, 0.006];
+/// So many of neighbouring cells count as one.
+const SKIN_CORRELATED: f64 = 20.0;
+/// Cells that tell their noise.
+const LEAST_CELLS: usize = 20;
 
 /// Starts: share of the expected width, ε, and the side to which the crease lies of what is dark, with a view from there.
 ///
@@ -81,6 +91,8 @@ pub(crate) struct Plan<'a> {
     pub(crate) length: f64,
     pub(crate) stations: usize,
     pub(crate) rows: Vec<Row>,
+    /// Skin beside the paint.
+    pub(crate) skin: Vec<Group>,
     /// Per row its pixel in the band.
     pub(crate) order: Vec<usize>,
     reach: f64,
@@ -89,8 +101,9 @@ pub(crate) struct Plan<'a> {
     albedo: f64,
     places: [f64; NODES],
     bell: Bell,
-    /// Per station what geometry says of t and of the curvature, 1/px; zeros where it says nothing.
-    pub(crate) ground: Vec<[f64; 2]>,
+    /// Per station what geometry says; nothing where it says nothing.
+    pub(crate) ground: Vec<Known>,
+    skyline: Skyline,
     pub(crate) is_known: bool,
 }
 
@@ -100,18 +113,36 @@ pub(crate) fn station_count(length: f64) -> usize {
 }
 
 /// What geometry says, where it says nothing that of the nearest place where it does.
-fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<[f64; 2]>> {
-    let known: Vec<(usize, [f64; 2])> = ground
+fn filled(ground: &[Option<Ground>], count: usize) -> Option<Vec<Known>> {
+    let known: Vec<(usize, Known)> = ground
         .iter()
         .enumerate()
         .filter_map(|(at, ground)| {
             let ground = ground.as_ref()?;
-            Some((at, [ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT), ground.bend_per_px]))
+            let tilt = ground.tilt_rad.tan().clamp(-MOST_TILT, MOST_TILT);
+            Some((
+                at,
+                Known {
+                    tilt,
+                    bend: if ground.relief.is_some() { 0.0 } else { ground.bend_per_px },
+                    around: Around { walls: Walls::of(&ground.skyline), relief: ground.relief },
+                },
+            ))
         })
         .collect();
-    let nearest =
-        |at: usize| known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, ground)| *ground);
+    let nearest = |at: usize| {
+        known.iter().min_by_key(|(other, _)| other.abs_diff(at)).map(|(_, ground)| ground.clone())
+    };
     (0..count).map(nearest).collect()
+}
+
+/// The mean of what geometry says of the skyline.
+fn mean_skyline(ground: &[Option<Ground>]) -> Skyline {
+    let known = || ground.iter().flatten();
+    let count = known().count().max(1) as f64;
+    let mean =
+        |side: usize, sector: usize| known().map(|ground| ground.skyline[side][sector]).sum::<f64>() / count;
+    [0, 1].map(|side| std::array::from_fn::<f64, SECTORS, _>(|sector| mean(side, sector)))
 }
 
 impl<'a> Plan<'a> {
@@ -133,16 +164,19 @@ impl<'a> Plan<'a> {
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by_key(|&pixel| all[pixel].station);
         let rows: Vec<Row> = order.iter().map(|&pixel| all[pixel]).collect();
-        let reach = rows.iter().map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
-        let half = half_width(&rows, intervals as usize);
+        let skin = groups(&band.skin, intervals as usize, row);
+        let reach = rows.iter().chain(skin.iter().flatten()).map(|row| row.p.abs()).fold(0.0, f64::max) + 4.0;
+        let half = half_width(rows.iter().map(|row| (row.station, row.p)));
         let ln_width = (half / PAINT_WIDTHS).max(1.5).ln();
+        let skyline = mean_skyline(ground);
         let ground = filled(ground, stations).filter(|_| params.tilt_deg.is_none());
         let is_known = ground.is_some();
-        let ground = ground.unwrap_or_else(|| vec![[0.0; 2]; stations]);
+        let ground = ground.unwrap_or_else(|| vec![Known::default(); stations]);
         Self {
             length,
             stations,
             rows,
+            skin,
             order,
             reach,
             ln_width,
@@ -151,6 +185,7 @@ impl<'a> Plan<'a> {
             places: places(),
             bell: Bell::new(),
             ground,
+            skyline,
             is_known,
         }
     }
@@ -161,7 +196,8 @@ impl<'a> Plan<'a> {
 
     pub(crate) fn problem(&self, flat: bool) -> Problem<'_> {
         let bases = KNOTS_PX.map(|spacing| Basis::new(self.length, spacing, self.stations));
-        let mut problem = self.bare(&self.rows, bases, &self.ground, flat);
+        let mut problem =
+            self.bare(&self.rows, if flat { &[] } else { &self.skin }, bases, &self.ground, flat);
         problem.priors = self.priors(&problem);
         problem
     }
@@ -169,8 +205,9 @@ impl<'a> Plan<'a> {
     fn bare<'p>(
         &'p self,
         rows: &'p [Row],
+        skin: &'p [Group],
         bases: [Basis; FIELDS],
-        ground: &'p [[f64; 2]],
+        ground: &'p [Known],
         flat: bool,
     ) -> Problem<'p> {
         let mut free = [!flat; CONSTANTS];
@@ -185,6 +222,8 @@ impl<'a> Plan<'a> {
             albedo: self.albedo,
             reach: self.reach,
             noise: NOISE[0] * CORRELATED.sqrt(),
+            skin,
+            skin_noise: SKIN_NOISE[0],
             aside: ASIDE_PX + ASIDE * PAINT_WIDTHS * self.ln_width.exp(),
             widest: self.ln_width + WIDEST.ln(),
             ground,
@@ -265,11 +304,18 @@ impl<'a> Plan<'a> {
     /// The best groove that is the same everywhere, from several starts; and the best one whose crease lies elsewhere.
     pub(crate) fn firsts(&self, creases: &[f64]) -> Vec<First> {
         let rows = self.collapsed(creases);
+        let aside =
+            |row: &Row| creases[row.station] + row.share * (creases[row.station + 1] - creases[row.station]);
+        let skin = collapsed(&self.skin, aside);
         let bases = std::array::from_fn(|_| Basis::constant(2));
         let count = self.ground.len() as f64;
-        let mean = [0, 1].map(|k| self.ground.iter().map(|ground| ground[k]).sum::<f64>() / count);
-        let ground = [mean; 2];
-        let mut problem = self.bare(&rows, bases, &ground, false);
+        let mean = |of: fn(&Known) -> f64| self.ground.iter().map(of).sum::<f64>() / count;
+        let reliefs: Vec<Relief> = self.ground.iter().filter_map(|known| known.around.relief).collect();
+        let walls = if self.is_known { Walls::of(&self.skyline) } else { None };
+        let around = Around { walls, relief: Relief::mean(&reliefs) };
+        let ground = Known { tilt: mean(|known| known.tilt), bend: mean(|known| known.bend), around };
+        let ground = [ground.clone(), ground];
+        let mut problem = self.bare(&rows, &skin, bases, &ground, false);
         problem.priors = self.priors(&problem);
         let crease = problem.first(CREASE);
         let descended = STARTS.map(|[width, epsilon, side]| {
@@ -320,6 +366,17 @@ impl<'a> Plan<'a> {
             })
         };
         sums.iter().filter_map(row).collect()
+    }
+
+    /// The deviation of a cell of skin: robust, from the residuals.
+    pub(crate) fn skin_noise(&self, problem: &Problem<'_>, best: &Minimum) -> f64 {
+        let mut off: Vec<f64> = problem.left_of_skin(&best.unknowns).into_iter().map(f64::abs).collect();
+        if off.len() < LEAST_CELLS {
+            return SKIN_NOISE[0];
+        }
+        let middle = off.len() / 2;
+        let median = *off.select_nth_unstable_by(middle, f64::total_cmp).1;
+        (1.4826 * median).max(SKIN_NOISE[1]) * SKIN_CORRELATED.sqrt()
     }
 
     /// The deviation of a pixel: robust, from the residuals.

@@ -2,7 +2,9 @@
 
 use crate::blur::{Bell, COLUMNS, Table};
 use crate::shading::{BEND, EPSILON, Groove, KAPPA, Lit, NODES, RATIO, SKEW, TILT, WIDTH};
+use crate::skin::Group;
 use crate::spline::Basis;
+use crate::walls::Around;
 use nalgebra::{DMatrix, DVector};
 
 /// What varies along a wrinkle: ln w, ln(d/w), place of the crease beside the curve, ln of the light on open paint, and how that
@@ -27,7 +29,7 @@ const BEND_PX: f64 = 10.0;
 /// The light's rise is per so many px.
 pub(crate) const RISE_PX: f64 = 20.0;
 /// Unknowns that one pixel hangs on: the fields at two stations, and the constants.
-const LOCAL: usize = 2 * FIELDS + CONSTANTS;
+pub(crate) const LOCAL: usize = 2 * FIELDS + CONSTANTS;
 /// Residuals beyond so many deviations count linearly [Huber1964].
 const HUBER: f64 = 3.0;
 /// Where unknowns may lie.
@@ -58,6 +60,17 @@ pub(crate) struct Row {
     pub(crate) weight: f64,
 }
 
+/// What is known of a station before: its unknowns t and c are what is left.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Known {
+    /// t.
+    pub(crate) tilt: f64,
+    /// c, 1/px.
+    pub(crate) bend: f64,
+    /// How the face runs on.
+    pub(crate) around: Around,
+}
+
 /// A normal distribution of a sum of unknowns.
 #[derive(Debug, Clone)]
 pub(crate) struct Prior {
@@ -70,6 +83,8 @@ pub(crate) struct Prior {
 pub(crate) struct Problem<'a> {
     /// Pixels, by their stations.
     pub(crate) rows: &'a [Row],
+    /// Skin beside them.
+    pub(crate) skin: &'a [Group],
     pub(crate) bases: [Basis; FIELDS],
     pub(crate) priors: Vec<Prior>,
     /// Which of the constants are free.
@@ -83,12 +98,14 @@ pub(crate) struct Problem<'a> {
     pub(crate) reach: f64,
     /// Deviation of a pixel, after the correlation of neighbours.
     pub(crate) noise: f64,
+    /// … and of a cell of skin.
+    pub(crate) skin_noise: f64,
     /// How far the crease may lie off the curve, px.
     pub(crate) aside: f64,
     /// ln of the largest width.
     pub(crate) widest: f64,
-    /// Per station what is known of t and c before, 1/px for the latter; their unknowns are what is left.
-    pub(crate) ground: &'a [[f64; 2]],
+    /// What is known per station.
+    pub(crate) ground: &'a [Known],
     pub(crate) places: &'a [f64; NODES],
     pub(crate) bell: &'a Bell,
 }
@@ -141,7 +158,7 @@ impl Problem<'_> {
         }
     }
 
-    fn tables(&self, unknowns: &[f64]) -> Vec<Table> {
+    pub(crate) fn tables(&self, unknowns: &[f64]) -> Vec<Table> {
         let constants = self.constants(unknowns);
         let mut tables: Vec<Table> = Vec::with_capacity(self.stations());
         let mut last: Option<Groove> = None;
@@ -151,14 +168,24 @@ impl Problem<'_> {
                 ratio: if self.flat { 0.0 } else { self.field(unknowns, LN_RATIO, station).exp() },
                 epsilon: constants[ROUND],
                 kappa: constants[LOPSIDED],
-                bend: self.ground[station][1] + self.field(unknowns, BENT, station) / BEND_PX,
+                bend: self.ground[station].bend + self.field(unknowns, BENT, station) / BEND_PX,
                 skew: constants[SKEWED],
-                tilt: self.ground[station][0] + constants[TILTED],
+                tilt: self.ground[station].tilt + constants[TILTED],
                 albedo: self.albedo,
+                aside: if self.ground[station].around.relief.is_some() {
+                    self.field(unknowns, CREASE, station)
+                } else {
+                    0.0
+                },
             };
-            let table = match (tables.last(), last == Some(groove)) {
+            let around = &self.ground[station].around;
+            let is_same = last == Some(groove) && *around == self.ground[station - 1].around;
+            let table = match (tables.last(), is_same) {
                 (Some(table), true) => table.clone(),
-                _ => Table::of(&Lit::of(&groove, self.places), self.blur, self.reach, self.bell),
+                _ => {
+                    let lit = Lit::of(&groove, around, self.places);
+                    Table::of(&lit, self.blur, self.reach, self.bell)
+                }
             };
             tables.push(table);
             last = Some(groove);
@@ -167,7 +194,7 @@ impl Problem<'_> {
     }
 
     /// The model's light and, per unknown of [`LOCAL`], its derivative.
-    fn model(&self, row: &Row, ends: &Ends<'_>) -> (f64, [f64; LOCAL]) {
+    pub(crate) fn model(&self, row: &Row, ends: &Ends<'_>) -> (f64, [f64; LOCAL]) {
         let shares = [1.0 - row.share, row.share];
         let mix = |field: usize| shares[0] * ends.fields[0][field] + shares[1] * ends.fields[1][field];
         let (place, level) = (row.p - mix(CREASE), mix(LN_LIGHT).exp());
@@ -194,7 +221,7 @@ impl Problem<'_> {
         (gain * light, by)
     }
 
-    fn ends<'t>(&self, unknowns: &[f64], tables: &'t [Table], station: usize) -> Ends<'t> {
+    pub(crate) fn ends<'t>(&self, unknowns: &[f64], tables: &'t [Table], station: usize) -> Ends<'t> {
         let next = (station + 1).min(self.stations() - 1);
         let fields = [station, next].map(|at| std::array::from_fn(|field| self.field(unknowns, field, at)));
         Ends { fields, tables: [&tables[station], &tables[next]] }
@@ -214,10 +241,18 @@ impl Problem<'_> {
     }
 
     /// All pixels with the model's light and its derivatives.
-    pub(crate) fn visit(&self, unknowns: &[f64], mut visit: impl FnMut(&Row, f64, &[f64; LOCAL])) {
-        let tables = self.tables(unknowns);
+    pub(crate) fn visit(&self, unknowns: &[f64], visit: impl FnMut(&Row, f64, &[f64; LOCAL])) {
+        self.visit_over(&self.tables(unknowns), unknowns, visit);
+    }
+
+    fn visit_over(
+        &self,
+        tables: &[Table],
+        unknowns: &[f64],
+        mut visit: impl FnMut(&Row, f64, &[f64; LOCAL]),
+    ) {
         for chunk in self.rows.chunk_by(|one, other| one.station == other.station) {
-            let ends = self.ends(unknowns, &tables, chunk[0].station);
+            let ends = self.ends(unknowns, tables, chunk[0].station);
             for row in chunk {
                 let (light, by) = self.model(row, &ends);
                 visit(row, light, &by);
@@ -231,7 +266,8 @@ impl Problem<'_> {
         let mut normal = Normal { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) };
         let mut cost = self.prior_cost(unknowns);
         let mut block = Block::new(0);
-        self.visit(unknowns, |row, light, by| {
+        let tables = self.tables(unknowns);
+        self.visit_over(&tables, unknowns, |row, light, by| {
             if row.station != block.station {
                 self.spread(&block, &mut normal);
                 block = Block::new(row.station);
@@ -242,6 +278,11 @@ impl Problem<'_> {
             block.add(by, residual / self.noise, row.weight * weight, self.noise);
         });
         self.spread(&block, &mut normal);
+        for group in self.skin {
+            let mut block = Block::new(group[0].station);
+            cost += self.beside(group, &self.ends(unknowns, &tables, block.station), Some(&mut block));
+            self.spread(&block, &mut normal);
+        }
         for prior in &self.priors {
             prior.add(unknowns, &mut normal);
         }
@@ -290,13 +331,13 @@ impl Problem<'_> {
 }
 
 /// The fields and tables at the two ends of an interval.
-struct Ends<'t> {
+pub(crate) struct Ends<'t> {
     fields: [[f64; FIELDS]; 2],
     tables: [&'t Table; 2],
 }
 
 /// The normal equations of the pixels between two stations; the upper triangle.
-struct Block {
+pub(crate) struct Block {
     station: usize,
     matrix: [[f64; LOCAL]; LOCAL],
     gradient: [f64; LOCAL],
@@ -307,7 +348,7 @@ impl Block {
         Self { station, matrix: [[0.0; LOCAL]; LOCAL], gradient: [0.0; LOCAL] }
     }
 
-    fn add(&mut self, by: &[f64; LOCAL], residual: f64, weight: f64, noise: f64) {
+    pub(crate) fn add(&mut self, by: &[f64; LOCAL], residual: f64, weight: f64, noise: f64) {
         let scale = weight / (noise * noise);
         for i in 0..LOCAL {
             self.gradient[i] += weight * residual * by[i];
@@ -360,6 +401,16 @@ mod tests {
             })
             .collect();
         let (nodes, bell) = (places(), Bell::new());
+        let ground = vec![Known { tilt: 0.1, bend: -0.004, around: Around::default() }; 5];
+        let beside = |from: f64, station: usize| -> Group {
+            let row = |k: u32| {
+                let p = from + 2.0 * f64::from(k) * from.signum();
+                let light = 0.6 * (1.0 - 0.3 * (-p.abs() / 5.0).exp());
+                Row { station, share: 0.5, p, light, weight: 2.0 }
+            };
+            (0..5).map(row).collect()
+        };
+        let skin = [beside(-9.0, 1), beside(9.0, 1), beside(10.0, 3)];
         let mut problem = Problem {
             rows: &rows,
             bases: std::array::from_fn(|field| Basis::new(32.0, 12.0 + 6.0 * field as f64, 5)),
@@ -370,9 +421,11 @@ mod tests {
             albedo: 0.2,
             reach: 14.0,
             noise: 0.5,
+            skin: &skin,
+            skin_noise: 0.1,
             aside: 9.0,
             widest: 4.0,
-            ground: &[[0.1, -0.004]; 5],
+            ground: &ground,
             places: &nodes,
             bell: &bell,
         };

@@ -4,11 +4,14 @@ use crate::plan::NOISE;
 use crate::problem::Row;
 
 /// How far the paint reaches to both sides, about: the median over stations of half of its extent, with what erosion took.
-pub(crate) fn half_width(rows: &[Row], intervals: usize) -> f64 {
-    let mut extents = vec![[f64::INFINITY, f64::NEG_INFINITY]; intervals];
-    for row in rows {
-        let extent = &mut extents[row.station];
-        *extent = [extent[0].min(row.p), extent[1].max(row.p)];
+pub(crate) fn half_width(places: impl Iterator<Item = (usize, f64)>) -> f64 {
+    let mut extents: Vec<[f64; 2]> = Vec::new();
+    for (station, p) in places {
+        if extents.len() <= station {
+            extents.resize(station + 1, [f64::INFINITY, f64::NEG_INFINITY]);
+        }
+        let extent = &mut extents[station];
+        *extent = [extent[0].min(p), extent[1].max(p)];
     }
     let mut halves: Vec<f64> = extents
         .iter()

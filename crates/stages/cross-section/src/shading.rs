@@ -4,6 +4,8 @@
 //! groove leaves `E = ½ (cos(e_R − θ) + cos(e_L + θ))`, θ the slope's angle, e the horizons' [BickelBotsch2007, Eq. 7].
 
 use crate::profile::steepness_of_scale;
+use crate::relief::Relief;
+use crate::walls::{Around, Walls};
 use std::f64::consts::PI;
 
 /// Nodes across a groove.
@@ -47,6 +49,8 @@ pub(crate) struct Groove {
     pub(crate) tilt: f64,
     /// Share of the light that the paint throws back.
     pub(crate) albedo: f64,
+    /// Where its crease lies beside the curve, px.
+    pub(crate) aside: f64,
 }
 
 /// Places in the image and brightness of a groove's nodes, with derivatives by [`WIDTH`] … [`TILT`].
@@ -83,7 +87,7 @@ pub(crate) fn places() -> [f64; NODES] {
     })
 }
 
-fn section(groove: &Groove, places: &[f64; NODES]) -> [Node; NODES] {
+fn section(groove: &Groove, relief: Option<&Relief>, places: &[f64; NODES]) -> [Node; NODES] {
     let Groove { ratio, epsilon, kappa, .. } = *groove;
     let (factor, growth) = steepness_of_scale(epsilon);
     let depth = ratio * factor;
@@ -105,17 +109,29 @@ fn section(groove: &Groove, places: &[f64; NODES]) -> [Node; NODES] {
         let hollow_twist = scale * (1.0 - 2.0 * (x / BENT).powi(2)) * fade;
         let (bent, bent_slope) = (groove.bend * hollow, groove.bend * hollow_slope);
         let x_by_kappa = v.abs();
+        let [ground, ground_slope, ground_twist] = relief.map_or([0.0; 3], |relief| {
+            let [z, slope, twist] = relief.at(groove.aside + scale * x);
+            [(z - relief.at(groove.aside)[0]) / scale, slope, twist * scale]
+        });
+        // By the scale: what the ground's height in width scales changes by, and its slope.
+        let (ground_growth, ground_turn) = (x * ground_slope - ground, x * ground_twist);
         Node {
             x,
-            z: z + bent,
-            slope: slope + bent_slope,
+            z: z + bent + ground,
+            slope: slope + bent_slope + ground_slope,
             x_by_kappa,
-            z_by: [bent, z, z_by_epsilon + scale_growth * bent, bent_slope * x_by_kappa, hollow],
+            z_by: [
+                bent + ground_growth,
+                z,
+                z_by_epsilon + scale_growth * (bent + ground_growth),
+                (bent_slope + ground_slope) * x_by_kappa,
+                hollow,
+            ],
             slope_by: [
-                bent_slope,
+                bent_slope + ground_turn,
                 slope,
-                slope_by_epsilon + scale_growth * bent_slope,
-                -slope * v.signum() / side + groove.bend * hollow_twist * x_by_kappa,
+                slope_by_epsilon + scale_growth * (bent_slope + ground_turn),
+                -slope * v.signum() / side + (groove.bend * hollow_twist + ground_twist) * x_by_kappa,
                 hollow_slope,
             ],
         }
@@ -199,6 +215,22 @@ fn skewed(left: f64, right: f64, slope: f64) -> [f64; 4] {
     ]
 }
 
+/// What walls take from a point between horizons at slopes `left` and `right` on ground of a slope, with derivatives by the three.
+fn taken(walls: &Walls, left: f64, right: f64, slope: f64) -> [f64; 4] {
+    let (on_left, on_right) = (walls.loss(0, left), walls.loss(1, right));
+    let along = 1.0 / (1.0 + slope * slope).sqrt();
+    let seen = |left: [f64; 2], right: [f64; 2]| [left[0] + slope * left[1], right[0] - slope * right[1]];
+    let [from_left, from_right] = seen(on_left.value, on_right.value);
+    let [left_growth, right_growth] = seen(on_left.growth, on_right.growth);
+    let turn = -slope * along.powi(3) * (from_left + from_right);
+    [
+        along * (from_left + from_right),
+        along * left_growth,
+        along * right_growth,
+        along * (on_left.value[1] - on_right.value[1]) + turn,
+    ]
+}
+
 /// The light that a point throws back after all bounces, as a share of what it would without any shadow, from its irradiance:
 /// `B = E / (1 − ρ (1 − E))`, with the derivative.
 ///
@@ -210,8 +242,8 @@ pub(crate) fn with_bounces(irradiance: f64, albedo: f64) -> [f64; 2] {
 
 impl Lit {
     /// The nodes of a groove at [`places`], without those that a wall hides from the camera.
-    pub(crate) fn of(groove: &Groove, places: &[f64; NODES]) -> Self {
-        let nodes = section(groove, places);
+    pub(crate) fn of(groove: &Groove, around: &Around, places: &[f64; NODES]) -> Self {
+        let nodes = section(groove, around.relief.as_ref(), places);
         let right = horizons(&nodes, (0..NODES).rev(), 1.0);
         let left = horizons(&nodes, 0..NODES, -1.0);
         let mut lit = Self {
@@ -222,7 +254,7 @@ impl Lit {
             count: NODES,
         };
         for i in 0..NODES {
-            lit.shade(i, groove, &nodes[i], &left[i], &right[i]);
+            lit.shade(i, groove, around.walls.as_ref(), &nodes[i], [&left[i], &right[i]]);
         }
         lit.project(groove, &nodes);
         if groove.tilt != 0.0 {
@@ -231,15 +263,32 @@ impl Lit {
         lit
     }
 
-    fn shade(&mut self, i: usize, groove: &Groove, node: &Node, left: &Horizon, right: &Horizon) {
+    fn shade(
+        &mut self,
+        i: usize,
+        groove: &Groove,
+        walls: Option<&Walls>,
+        node: &Node,
+        [left, right]: [&Horizon; 2],
+    ) {
         let [near, near_by_far, near_by_ground] = cosine(right.slope, node.slope);
         let [other, other_by_far, other_by_ground] = cosine(left.slope, -node.slope);
         let [skew, skew_by_left, skew_by_right, skew_by_slope] = skewed(left.slope, right.slope, node.slope);
-        let by_right = 0.5 * near_by_far + groove.skew * skew_by_right;
-        let by_left = 0.5 * other_by_far + groove.skew * skew_by_left;
-        let by_slope = 0.5 * (near_by_ground - other_by_ground) + groove.skew * skew_by_slope;
-        let irradiance = 0.5 * (near + other) + groove.skew * skew;
-        let [light, gain] = with_bounces(irradiance, groove.albedo);
+        let mut by_right = 0.5 * near_by_far + groove.skew * skew_by_right;
+        let mut by_left = 0.5 * other_by_far + groove.skew * skew_by_left;
+        let mut by_slope = 0.5 * (near_by_ground - other_by_ground) + groove.skew * skew_by_slope;
+        let mut irradiance = 0.5 * (near + other) + groove.skew * skew;
+        let mut open = 1.0;
+        if let Some(walls) = walls {
+            let [taken, taken_by_left, taken_by_right, taken_by_slope] =
+                taken(walls, left.slope, right.slope, node.slope);
+            irradiance -= taken;
+            by_left -= taken_by_left;
+            by_right -= taken_by_right;
+            by_slope -= taken_by_slope;
+            open = 1.0 / with_bounces(walls.open(), groove.albedo)[0];
+        }
+        let [light, gain] = with_bounces(irradiance, groove.albedo).map(|value| open * value);
         self.light[i] = light;
         for k in 0..SHAPE {
             self.light_by[i][k] =
@@ -297,6 +346,7 @@ impl Lit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::walls::Skyline;
 
     fn groove() -> Groove {
         Groove {
@@ -308,6 +358,7 @@ mod tests {
             skew: 0.1,
             tilt: 0.3,
             albedo: 0.3,
+            aside: 1.5,
         }
     }
 
@@ -325,18 +376,29 @@ mod tests {
         changed
     }
 
+    /// Beside a nose: the ground rises, and the sky begins high on one side.
+    fn nose() -> Around {
+        let ground: Vec<[f64; 2]> =
+            (-40..=40).map(f64::from).map(|x| [x, 0.002 * x * x + 0.0001 * x * x * x]).collect();
+        let mut skyline = Skyline::default();
+        skyline[1] = [0.1, 0.3, 0.5, 0.7, 0.6, 0.4, 0.1, 0.0];
+        Around { walls: Walls::of(&skyline), relief: Relief::through(&ground) }
+    }
+
     #[test]
     fn derivatives_are_those_of_differences() {
-        for (name, groove) in [
-            ("all", groove()),
-            ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }),
-            ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }),
+        let open = Around::default();
+        for (name, groove, around) in [
+            ("all", groove(), &open),
+            ("hollow", Groove { kappa: -0.3, bend: 0.03, ..groove() }, &open),
+            ("round", Groove { bend: -0.01, epsilon: 0.6, tilt: -0.2, ..groove() }, &open),
+            ("beside a nose", groove(), &nose()),
         ] {
-            let lit = Lit::of(&groove, &places());
+            let lit = Lit::of(&groove, around, &places());
             for parameter in 0..PARAMETERS {
                 let step = 1e-6;
                 let [less, more] =
-                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), &places()));
+                    [-step, step].map(|by| Lit::of(&changed(&groove, parameter, by), around, &places()));
                 for node in 0..NODES {
                     let light = (more.light[node] - less.light[node]) / (2.0 * step);
                     let at = (more.at[node] - less.at[node]) / (2.0 * step);

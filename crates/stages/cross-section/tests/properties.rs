@@ -119,7 +119,7 @@ fn known_ground_tells_a_hollow_from_a_valley() {
     let picture = Picture::new(SIZE[0], SIZE[1], &rgb).unwrap();
     let params = Params::default();
     let guessed = painted(&picture, &Transfer::Srgb.light_of_codes(), &scene.curve(), &params).unwrap();
-    let ground = Ground { tilt_rad: 0.3f64.atan(), bend_per_px: 0.008 };
+    let ground = Ground::strip(0.3f64.atan(), 0.008);
     let known = Painted { ground: vec![Some(ground); 14], ..guessed.clone() };
     let inner = |paint: &Painted| -> Vec<Section> {
         let all = measure(paint, &params, 0.0).sections;
@@ -173,4 +173,35 @@ fn what_has_no_paint_has_failed() {
             .flatten()
             .all(|section| section.state == SectionState::Failed && section.d_px == 0.0)
     );
+}
+
+#[test]
+fn skin_beside_narrow_paint_tells_more_of_a_valley() {
+    let params = Params::default();
+    let light = Transfer::Srgb.light_of_codes();
+    let mut off = [0.0; 2];
+    for (seed, ratio) in [(1, 0.3), (2, 0.5), (3, 0.4)] {
+        let scene = Scene { ratio, epsilon: 0.25, paint: [5.5, 5.5], texture: 0.01, ..Scene::default() };
+        let rgb = scene.picture(seed);
+        let picture = Picture::new(SIZE[0], SIZE[1], &rgb).unwrap();
+        let mut paint = painted(&picture, &light, &scene.curve(), &params).unwrap();
+        assert!(!paint.band.skin.is_empty());
+        for sum in &mut off {
+            let sections = measure(&paint, &params, 0.0).sections;
+            let inner = sections.iter().filter(|section| (30.0..130.0).contains(&section.at[0]));
+            *sum += (median(inner.map(|section| section.w_px)) / scene.w).ln().abs();
+            paint.band.skin.clear();
+        }
+    }
+    assert!(off[0] < off[1], "{off:?}");
+}
+
+#[test]
+fn wide_paint_needs_no_skin() {
+    let scene = Scene::default();
+    let rgb = scene.picture(7);
+    let picture = Picture::new(SIZE[0], SIZE[1], &rgb).unwrap();
+    let light = Transfer::Srgb.light_of_codes();
+    let paint = painted(&picture, &light, &scene.curve(), &Params::default()).unwrap();
+    assert!(paint.band.skin.is_empty());
 }
