@@ -36,12 +36,14 @@
 //! ```
 
 mod at_rest;
+mod blocks;
 mod coarse;
 mod crease;
 mod curve;
 mod descent;
 pub mod energy;
 mod error;
+mod jet;
 mod line;
 mod locator;
 mod moment;
@@ -53,8 +55,8 @@ mod refine;
 mod region;
 mod report;
 mod slack;
+mod solve;
 mod stamp;
-mod sum;
 mod surface;
 mod synthesis;
 
@@ -64,4 +66,5 @@ pub use error::Error;
 pub use params::{Params, Solver, Track};
 pub use refine::Refinement;
 pub use report::{CreaseReport, RegionReport};
+pub use solve::Memory;
 pub use synthesis::{Synthesis, Wrinkling};

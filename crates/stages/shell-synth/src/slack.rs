@@ -21,6 +21,10 @@ impl Slack {
         Self { rest, given, share }
     }
 
+    pub(crate) fn rest(&self) -> f64 {
+        self.rest
+    }
+
     fn nearest(&self, measure: f64) -> f64 {
         measure.clamp(self.rest.min(self.given), self.rest.max(self.given))
     }
