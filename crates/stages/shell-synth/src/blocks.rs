@@ -104,7 +104,8 @@ impl Blocks {
         let vertices = || (0..free.len()).into_par_iter();
         let joint_slots = vertices()
             .flat_map_iter(|vertex| {
-                let slots = move |joint: u32| joints[joint as usize].vertices.map(|other| slot(vertex, other));
+                let slots =
+                    move |joint: u32| joints[joint as usize].vertices.map(|other| slot(vertex, other));
                 joint_corners.at(vertex).map(move |(joint, _)| slots(joint))
             })
             .collect();
@@ -142,11 +143,7 @@ impl Blocks {
     pub(crate) fn gather<T: Send>(
         &self,
         into: &mut [T],
-        of: impl Fn(
-            usize,
-            &mut dyn Iterator<Item = (u32, usize)>,
-            &mut dyn Iterator<Item = (u32, usize)>,
-        ) -> T
+        of: impl Fn(usize, &mut dyn Iterator<Item = (u32, usize)>, &mut dyn Iterator<Item = (u32, usize)>) -> T
         + Sync,
     ) {
         into.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(vertex, value)| {
@@ -283,7 +280,9 @@ pub(crate) fn ranks(surface: &Surface, some: &[u32]) -> Vec<u32> {
         for &triangle in surface.around(some[at]) {
             for side in surface.sides[triangle as usize] {
                 let around = surface.hinges[side as usize].vertices;
-                into.extend(around.iter().filter(|&&other| other != NONE).map(|&other| local[other as usize]));
+                into.extend(
+                    around.iter().filter(|&&other| other != NONE).map(|&other| local[other as usize]),
+                );
             }
         }
         into.retain(|&other| other != NONE);

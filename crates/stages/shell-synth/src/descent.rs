@@ -10,8 +10,10 @@ use nalgebra::{Point3, Vector3};
 use operators::{Factor, FactorError};
 use serde::Serialize;
 
-/// Steps, at most.
+/// Steps, at most, …
 const MOST_STEPS: usize = 80;
+/// … and where only a start for another descent is wanted.
+const GUIDE_STEPS: usize = 16;
 /// A step of so many times the limit may be the last if steps shrink fast.
 const LAST_STEP: f64 = 5.0;
 /// Share of the limit that may be left to go then.
@@ -30,6 +32,8 @@ const HALVINGS: usize = 12;
 pub(crate) enum Rule {
     /// When a step moves no vertex by so many mm, or steps shrink so fast that less than half of it is left to go.
     Step(f64),
+    /// The same, or after so many steps: what is found is a start for another descent only.
+    Guide(f64),
     /// When the energy falls by less than [`PAPER_DECREASE`] of itself.
     Paper,
 }
@@ -64,7 +68,8 @@ pub(crate) fn minimise(
     let (mut here, mut there) = (Jets::default(), Jets::default());
     patch.evaluate(points, &mut here);
     (way.first_energy, way.energy) = (here.energy, here.energy);
-    while way.steps < MOST_STEPS && !way.converged {
+    let most = if matches!(rule, Rule::Guide(_)) { GUIDE_STEPS } else { MOST_STEPS };
+    while way.steps < most && !way.converged {
         let renewed = patch.factor(points, &here, factor.take())?;
         let direction = direction(&renewed, &here.gradient);
         factor = Some(renewed);
@@ -81,7 +86,7 @@ pub(crate) fn minimise(
         }
         (way.energy, way.last_step_mm) = (there.energy, step_mm);
         way.converged = match rule {
-            Rule::Step(limit) => share == 1.0 && is_last(step_mm, before_mm, limit),
+            Rule::Step(limit) | Rule::Guide(limit) => share == 1.0 && is_last(step_mm, before_mm, limit),
             Rule::Paper => here.energy - there.energy <= PAPER_DECREASE * here.energy,
         };
         std::mem::swap(&mut here, &mut there);

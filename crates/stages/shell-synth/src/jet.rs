@@ -85,11 +85,11 @@ impl JointJet {
         let mut energy = 0.0;
         if joint.edge_weight > 0.0 {
             let (measure, unit) = length(&[at(joint.vertices[0]), at(joint.vertices[1])]);
-            let (rest, share) = joint.length.parabola(measure);
-            energy += joint.edge_weight * joint.length.energy(measure);
+            let cost = joint.length.cost(measure);
+            energy += joint.edge_weight * cost.energy;
             jet.unit = unit;
-            jet.edge_stiffness = 2.0 * joint.edge_weight * share;
-            jet.edge_pull = jet.edge_stiffness * (measure - rest);
+            jet.edge_stiffness = joint.edge_weight * cost.curvature;
+            jet.edge_pull = joint.edge_weight * cost.slope;
         }
         if joint.bend_weight > 0.0 {
             let (angle, slopes) = dihedral(&joint.vertices.map(at));
@@ -118,10 +118,9 @@ impl TileJet {
 
     fn of(tile: &Tile, points: &[Point3<f64>]) -> (f64, Self) {
         let (measure, slopes) = area(&tile.vertices.map(|vertex| points[vertex as usize]));
-        let (rest, share) = tile.area.parabola(measure);
-        let stiffness = 2.0 * tile.weight * share;
-        let jet = Self { slopes, pull: stiffness * (measure - rest), stiffness };
-        (tile.weight * tile.area.energy(measure), jet)
+        let cost = tile.area.cost(measure);
+        let jet = Self { slopes, pull: tile.weight * cost.slope, stiffness: tile.weight * cost.curvature };
+        (tile.weight * cost.energy, jet)
     }
 
     /// The energy's derivative at a corner.

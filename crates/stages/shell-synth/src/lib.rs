@@ -7,7 +7,7 @@
 //! 1. Valleys are interpolated in time, in the rest pose; a crease that wanders over the skin is put back to where it belongs.
 //! 2. Vertices inside a valley are held on its section. They slide towards the crease, since its walls are skin too.
 //! 3. Around them, as far as valleys reach and no farther, the shell's energy [Grinspun2003] is minimised, each region by itself:
-//!    coarse to fine, Gauss–Newton first, with the exact Hessian near the minimum.
+//!    coarse to fine, by Gauss–Newton steps.
 //!
 //! The shell does not work against the large-scale motion: skin may be as long as in the scan or as short as the motion makes
 //! it ([`Params::resistance`]). The paper's own shell is [`Params::paper`].

@@ -1,7 +1,7 @@
 //! A part of the shell whose vertices are free, with everything else standing still: its elements and what they cost.
 
 use crate::blocks::Blocks;
-use crate::jet::{JointJet, Jets, TileJet};
+use crate::jet::{Jets, JointJet, TileJet};
 use crate::slack::Slack;
 use crate::surface::{NONE, Surface};
 use nalgebra::{Point3, Vector3};
@@ -220,5 +220,95 @@ impl Places {
             self.vertices.push(vertex);
         }
         *place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Params;
+
+    /// A bumpy plate of 6 × 6 vertices, its inner ones free, one with a spring.
+    fn plate() -> (Surface, Vec<u32>) {
+        let at = |i: u32| {
+            let (x, y) = (f64::from(i % 6), f64::from(i / 6));
+            Point3::new(0.3 * x + 0.05 * (y * 1.7).sin(), 0.3 * y, 0.08 * (x * 1.3 + y).sin())
+        };
+        let cell = |i: u32| [[i, i + 1, i + 7], [i, i + 7, i + 6]];
+        let triangles = (0..30).filter(|i| i % 6 < 5).flat_map(cell).collect();
+        let surface = Surface::new((0..36).map(at).collect(), triangles, &Params::default()).unwrap();
+        let free = (0..36).filter(|i| (1..5).contains(&(i % 6)) && (1..5).contains(&(i / 6))).collect();
+        (surface, free)
+    }
+
+    fn patch(surface: &Surface, free: &[u32], large: impl Fn(u32) -> Point3<f64>, share: f64) -> Patch {
+        let spring = |at: usize| {
+            let target = surface.rest[free[at] as usize];
+            [(at == 3).then_some(Spring { stiffness: 7.0, target, plane: None }), None, None]
+        };
+        let springs = (0..free.len()).map(spring).collect();
+        let ranks = vec![NONE; surface.rest.len()];
+        Patch::new(surface, Freed { vertices: free.to_vec(), springs, ranks: &ranks }, large, share)
+    }
+
+    fn evaluated(patch: &Patch, points: &[Point3<f64>]) -> Jets {
+        let mut jets = Jets::default();
+        patch.evaluate(points, &mut jets);
+        jets
+    }
+
+    /// Points moved by ± a step along one axis.
+    fn beside(points: &[Point3<f64>], vertex: usize, axis: usize, step: f64) -> [Vec<Point3<f64>>; 2] {
+        [step, -step].map(|step| {
+            let mut moved = points.to_vec();
+            moved[vertex][axis] += step;
+            moved
+        })
+    }
+
+    #[test]
+    fn the_gradient_agrees_with_differences() {
+        let (surface, free) = plate();
+        let pushed = |vertex: u32| {
+            surface.rest[vertex as usize] + Vector3::new(0.0, 0.02 * f64::from(vertex / 6), 0.0)
+        };
+        let patch = patch(&surface, &free, pushed, 0.01);
+        let points: Vec<Point3<f64>> = patch
+            .vertices
+            .iter()
+            .map(|&v| pushed(v) + Vector3::new(0.0, 0.0, 0.03 * f64::from(v % 5)))
+            .collect();
+        let jets = evaluated(&patch, &points);
+        let largest = jets.gradient.iter().map(Vector3::amax).fold(0.0, f64::max);
+        for vertex in 0..free.len() {
+            for axis in 0..3 {
+                let [up, down] = beside(&points, vertex, axis, 1e-6).map(|at| evaluated(&patch, &at).energy);
+                let slope = (up - down) / 2e-6;
+                assert!((slope - jets.gradient[vertex][axis]).abs() < 1e-6 * largest, "{vertex} {axis}");
+            }
+        }
+    }
+
+    /// At rest nothing pulls, so that the Gauss–Newton matrix is the Hessian.
+    #[test]
+    fn the_matrix_agrees_with_differences_at_rest() {
+        let (surface, free) = plate();
+        let rest = |vertex: u32| surface.rest[vertex as usize];
+        let mut patch = patch(&surface, &free, rest, 1.0);
+        let points: Vec<Point3<f64>> = patch.vertices.iter().map(|&vertex| rest(vertex)).collect();
+        let jets = evaluated(&patch, &points);
+        assert!(jets.energy < 1e-20);
+        patch.factor(&points, &jets, None).unwrap();
+        let matrix = patch.matrix();
+        let largest = matrix.data().iter().fold(0.0f64, |most, value| most.max(value.abs()));
+        let stored = |row: usize, column: usize| matrix.get(row, column).or(matrix.get(column, row));
+        for column in 0..3 * free.len() {
+            let [up, down] = beside(&points, column / 3, column % 3, 1e-6).map(|at| evaluated(&patch, &at));
+            for row in 0..3 * free.len() {
+                let slope = (up.gradient[row / 3][row % 3] - down.gradient[row / 3][row % 3]) / 2e-6;
+                let found = stored(row, column).copied().unwrap_or(0.0);
+                assert!((slope - found).abs() < 1e-6 * largest, "{row} {column}: {slope} {found}");
+            }
+        }
     }
 }

@@ -134,7 +134,9 @@ impl Synthesis {
                 None => self.is_same_fold(scene, coarse, &free),
             };
             let before = scene.before.map(|before| &before.levels[number]).filter(|_| warm);
-            let since = |before: &Vec<Vector3<f64>>| found.0.iter().zip(before).map(|(now, then)| now - then).collect();
+            let since = |before: &Vec<Vector3<f64>>| {
+                found.0.iter().zip(before).map(|(now, then)| now - then).collect()
+            };
             let change = before.map(since);
             levels.push(free.iter().map(|&at| (at, found.0[at as usize])).collect());
             level_descents.push(found.1);
@@ -170,10 +172,11 @@ impl Synthesis {
         let level =
             Level { surface: &coarse.surface, ranks: &coarse.ranks, vertices: Some(&coarse.vertices) };
         let start = |at: u32| {
-            let before = || scene.before.map_or_else(Vector3::zeros, |before| before.levels[number][at as usize]);
+            let before =
+                || scene.before.map_or_else(Vector3::zeros, |before| before.levels[number][at as usize]);
             guide.map_or_else(Vector3::zeros, |guide| guide.start(coarse.vertices[at as usize], before))
         };
-        let rule = Rule::Step(COARSE_STEP * coarse.edge_mm);
+        let rule = Rule::Guide(COARSE_STEP * coarse.edge_mm);
         let (_, points, descent) = self.descend(scene, &level, free, start, rule)?;
         let mut moved: Vec<Vector3<f64>> =
             coarse.vertices.iter().map(|&vertex| scene.displacement(vertex)).collect();

@@ -1,11 +1,11 @@
 //! A frame: valleys stamped in, bulges raised by the shell, everything else left as it is.
 
+use crate::blocks::ranks;
 use crate::coarse::Coarse;
 use crate::crease::{Crease, Creases};
 use crate::curve::Curve;
 use crate::locator::Locator;
 use crate::moment::Moment;
-use crate::blocks::ranks;
 use crate::reach::{Beside, reach};
 use crate::region::{FIXED, Region, regions};
 use crate::report::{CreaseReport, RegionReport, crease_report};
@@ -115,7 +115,11 @@ impl Synthesis {
         let mut positions = scene.start;
         let mut reports = Vec::new();
         for (region, solved) in regions.iter().zip(solved) {
-            region.free.iter().zip(&solved.points).for_each(|(&vertex, &point)| positions[vertex as usize] = point);
+            region
+                .free
+                .iter()
+                .zip(&solved.points)
+                .for_each(|(&vertex, &point)| positions[vertex as usize] = point);
             for (level, found) in levels.iter_mut().zip(&solved.levels) {
                 found.iter().for_each(|&(at, moved)| level[at as usize] = moved);
             }
@@ -138,12 +142,7 @@ impl Synthesis {
         }
     }
 
-    fn scene<'a>(
-        &self,
-        large: &'a [Point3<f64>],
-        before: Option<&'a Memory>,
-        moment: &Moment,
-    ) -> Scene<'a> {
+    fn scene<'a>(&self, large: &'a [Point3<f64>], before: Option<&'a Memory>, moment: &Moment) -> Scene<'a> {
         let moved = self.moved_creases(moment);
         let open: Vec<Open> = (0..self.creases.all.len())
             .filter_map(|at| {

@@ -175,8 +175,9 @@ fn animate(
         let smooth = ground.carry(run.timed("read", || cursor.read(frame))?);
         let warm = before.take().filter(|(number, _)| *number == frame - 1 && !starts_anew(frame));
         let warm = warm.as_ref().map(|(_, memory)| memory);
+        let name = if warm.is_some() { "synthesis-warm" } else { "synthesis" };
         let made = run
-            .timed("synthesis", || synthesis.frame(frame, &smooth, warm))
+            .timed(name, || synthesis.frame(frame, &smooth, warm))
             .with_context(|| format!("{}, frame {frame}", large.samples.path().display()))?;
         if frame >= first {
             findings.add(frame, &made.regions);
