@@ -337,7 +337,7 @@ def bench_step(ctx, vertices=20_000, repeats=5):
 
 
 # The reach of valleys, in their widths, at which about 80 000 of 700 000 vertices are free.
-REACH = ("--influence-widths", 2.4)
+REACH = ("--influence-widths", 1.55)
 # Frames after one whose number is a multiple of eight: each starts from the one before.
 WARM_FRAMES = 4
 

@@ -98,13 +98,13 @@ impl Scene<'_> {
 
 /// What pulls a free vertex. `stiffness`: of its area.
 fn springs(claim: &Claim, large: &Point3<f64>, stiffness: f64) -> [Option<Spring>; 3] {
-    let hold = (claim.hold > 0.0).then(|| Spring {
+    let hold = (claim.hold > 0.0).then_some(Spring {
         stiffness: HOLD_SHARE * stiffness * claim.hold / (1.0 - claim.hold),
         target: claim.target,
         plane: None,
     });
     let firm = 1.0 / claim.freedom.max(1e-3) - 1.0;
-    let anchor = (claim.freedom < 1.0).then(|| Spring {
+    let anchor = (claim.freedom < 1.0).then_some(Spring {
         stiffness: ANCHOR_SHARE * stiffness * firm * (1.0 - claim.hold),
         target: *large,
         plane: None,

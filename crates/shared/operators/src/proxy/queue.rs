@@ -96,7 +96,7 @@ mod tests {
                 break;
             }
             // Cheaper than the bin at hand, and dearer than all at the start.
-            if heap.len() % 3 > 0 {
+            if !heap.len().is_multiple_of(3) {
                 let fresh = candidate(1.5);
                 heap.push(Reverse(fresh));
                 queue.push(fresh);
