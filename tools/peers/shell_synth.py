@@ -265,8 +265,11 @@ def score(ctx):
 # ---- speed ---------------------------------------------------------------------------------------------------------
 
 
-def frame_seconds(summary):
-    return summary["seconds"]["synthesis"] / summary["results"]["frames"]
+def frame_seconds(summary, warm=False):
+    """Seconds a frame, of those that start from the one before or of those that start anew."""
+    seconds = summary["seconds"]
+    count = WARM_FRAMES if warm else 1
+    return seconds["synthesis-warm" if warm else "synthesis"] / count
 
 
 def shell_hessian(rest, triangles):
@@ -333,20 +336,37 @@ def bench_step(ctx, vertices=20_000, repeats=5):
                  peer="CHOLMOD + METIS, the better of two sets of OpenBLAS kernels", clock="CPU seconds, one thread each")
 
 
+# The reach of valleys, in their widths, at which about 80 000 of 700 000 vertices are free.
+REACH = ("--influence-widths", 1.55)
+# Frames after one whose number is a multiple of eight: each starts from the one before.
+WARM_FRAMES = 4
+
+
+def bench_frames(ctx, folder, name, *options, repeats=3):
+    """Seconds of a frame anew, of frames that start from the one before, and how many vertices were free."""
+    first = next(frame for frame in reversed(known_frames(folder)[: -WARM_FRAMES]) if frame % 8 == 0)
+    frames = ("--frames", f"{first}-{first + WARM_FRAMES}")
+    made = [synthesise(ctx, folder, name, *frames, *options) for _ in range(repeats)]
+    rows = [row for row in csv.DictReader(open(made[0][0].with_suffix(".csv")))]
+    free = sum(int(row["free_vertices"]) for row in rows) / (WARM_FRAMES + 1)
+    steps = {way: sum(int(row["steps"]) * int(row["free_vertices"]) for row in rows if row["warm"] == warm)
+             / max(1, sum(int(row["free_vertices"]) for row in rows if row["warm"] == warm))
+             for way, warm in (("cold", "false"), ("warm", "true"))}
+    about = dict(free_vertices=round(free), steps_a_vertex=steps, clock="wall seconds a frame, two threads",
+                 timed="valleys, constraints, regions, solve; no files")
+    times = {way: [frame_seconds(summary, way == "warm") for _, summary in made] for way in ("cold", "warm")}
+    return times, about, float(np.median([summary["seconds"]["prepare"] for _, summary in made]))
+
+
 def bench(ctx):
     yield from bench_step(ctx)
     folder = true_take(ctx, ctx.seeds[0], "--vertices", 700_000, "--count", 12, name="fine")
+    for suffix, options, targets in (("s", REACH, (2.5, 1.0)), ("default_reach_s", (), (None, None))):
+        times, about, prepare = bench_frames(ctx, folder, "bench", *options)
+        for (way, some), target in zip(times.items(), targets):
+            yield metric(f"frame_{way}_{suffix}", float(np.median(some)), target, "lower" if target else None, "s", least=min(some),
+                         largest=max(some), **about)
+        yield metric(f"prepare_{suffix}", prepare, None, None, "s", once="a run")
     last = known_frames(folder)[-1]
-    rows = {"cold": [], "warm": [], "paper": []}
-    frames = ("--frames", f"{last - 3}-{last}")
-    for _ in range(3):
-        rows["cold"].append(synthesise(ctx, folder, "cold", *frames, "--cold")[1])
-        rows["warm"].append(synthesise(ctx, folder, "warm", *frames)[1])
-    rows["paper"].append(synthesise(ctx, folder, "paper", "--frames", f"{last}-{last}", "--preset", "paper")[1])
-    out = ctx.tmp / f"{folder.name}-cold.csv"
-    free = sum(int(row["free_vertices"]) for row in csv.DictReader(open(out)) if int(row["frame"]) == last)
-    about = dict(free_vertices=free, clock="wall seconds a frame, two threads", timed="valleys, constraints, regions, solve; no files")
-    for way, target in (("cold", 2.5), ("warm", 1.0), ("paper", None)):
-        times = [frame_seconds(summary) for summary in rows[way]]
-        name = "paper_solver_s" if way == "paper" else f"frame_{way}_s"
-        yield metric(name, float(np.median(times)), target, "lower" if target else None, "s", least=min(times), largest=max(times), **about)
+    paper = synthesise(ctx, folder, "paper", "--frames", f"{last}-{last}", "--preset", "paper", *REACH)[1]
+    yield metric("paper_solver_s", frame_seconds(paper), None, None, "s", **about)

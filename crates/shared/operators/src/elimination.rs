@@ -117,18 +117,39 @@ impl Elimination<'_> {
                 (among_pivots..places.len(), Trapezoid::new(below, below), shape.columns)
             }
         };
+        let runs = runs(places);
+        let mut first_run = 0;
         for column in range {
-            let places = &places[column..];
-            let from = &passed[source.diagonal(column)..][..places.len()];
-            let first = places[0] as usize;
-            let into = &mut into[target.diagonal(first - offset)..];
-            let span = (places[places.len() - 1] as usize) - first + 1;
-            if span == places.len() {
-                into[..span].iter_mut().zip(from).for_each(|(sum, value)| *sum += value);
-            } else {
-                let into = &mut into[..span];
-                places.iter().zip(from).for_each(|(&place, value)| into[place as usize - first] += value);
+            let from = &passed[source.diagonal(column)..];
+            let start = places[column] as usize;
+            let into = &mut into[target.diagonal(start - offset)..];
+            first_run += runs[first_run..].iter().take_while(|run| run.end <= column).count();
+            for run in &runs[first_run..] {
+                let begin = run.start.max(column);
+                let place = run.place + (begin - run.start) - start;
+                let length = run.end - begin;
+                let from = &from[begin - column..][..length];
+                into[place..place + length].iter_mut().zip(from).for_each(|(sum, value)| *sum += value);
             }
         }
     }
+}
+
+/// Rows of a child that stand one after the other in its parent, too.
+struct Run {
+    start: usize,
+    end: usize,
+    /// Of the first, in the parent.
+    place: usize,
+}
+
+fn runs(places: &[u32]) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    for (at, &place) in places.iter().enumerate() {
+        match runs.last_mut() {
+            Some(run) if run.place + (at - run.start) == place as usize => run.end = at + 1,
+            _ => runs.push(Run { start: at, end: at + 1, place: place as usize }),
+        }
+    }
+    runs
 }

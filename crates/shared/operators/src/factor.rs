@@ -40,12 +40,27 @@ impl Factor {
     /// # Errors
     /// [`FactorError`]: not positive definite, out of memory, or nothing to factor.
     pub fn new(matrix: &CsMat<f64>, order: &[u32]) -> Result<Self, FactorError> {
+        Self::of_blocks(matrix, order, 1, matrix)
+    }
+
+    /// Factors a matrix of which each vertex has `size` unknowns, number `size · vertex` and after, that share all their neighbours: it
+    /// is analysed by its blocks, at a `size²`-th of the cost. `pattern`: #V × #V, symmetric, its values are not looked at;
+    /// `order`: vertices; `matrix`: of the unknowns; entries of rows that are eliminated before their column may be left out.
+    ///
+    /// # Errors
+    /// As [`Factor::new`].
+    pub fn of_blocks(
+        pattern: &CsMat<f64>,
+        order: &[u32],
+        size: usize,
+        matrix: &CsMat<f64>,
+    ) -> Result<Self, FactorError> {
         if order.is_empty() {
             return Err(FactorError::NothingFree);
         }
-        let symbolic = Symbolic::new(matrix, order);
+        let symbolic = Symbolic::new(pattern, order, size);
         let values = zeros(symbolic.value_starts[symbolic.front_count()])
-            .ok_or(FactorError::OutOfMemory { unknown_count: order.len() })?;
+            .ok_or(FactorError::OutOfMemory { unknown_count: order.len() * size })?;
         let mut factor = Self { symbolic, values };
         factor.renew(matrix)?;
         Ok(factor)

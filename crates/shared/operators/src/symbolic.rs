@@ -27,22 +27,28 @@ pub(crate) struct Symbolic {
 }
 
 impl Symbolic {
-    /// Analyses the rows and columns of `matrix` that belong to `order`, which is changed to an order of the same fill in
-    /// which every subtree and every front is in one piece.
-    pub(crate) fn new(matrix: &CsMat<f64>, order: &[u32]) -> Self {
-        let (order, column_parents) = {
-            let tree = parents(&Permuted::new(matrix, order));
+    /// Analyses the rows and columns of a matrix that belong to `order`, which is changed to an order of the same fill in
+    /// which every subtree and every front is in one piece. Every row of `pattern` stands for `size` unknowns that have the same
+    /// neighbours, number `size · row` and after: the pattern of such blocks is a `size²`-th of the matrix', and a front's columns
+    /// are whole blocks.
+    pub(crate) fn new(pattern: &CsMat<f64>, order: &[u32], size: usize) -> Self {
+        let (order, block_parents) = {
+            let tree = parents(&Permuted::new(pattern, order));
             let post = Children::of(&tree).postorder();
             (post.iter().map(|&column| order[column as usize]).collect::<Vec<_>>(), renamed(&tree, &post))
         };
-        let counts = column_counts(&Permuted::new(matrix, &order), &column_parents);
+        let counts = column_counts(&Permuted::new(pattern, &order), &block_parents);
+        let (column_parents, counts) = expanded(&block_parents, &counts, size as u32);
         let fronts = Fronts::joined(&column_parents, &counts);
         let (columns, starts, parents, heights) = fronts.laid_out();
-        let order: Vec<u32> = columns.iter().map(|&column| order[column as usize]).collect();
+        let blocks: Vec<u32> =
+            columns.iter().step_by(size).map(|&column| order[column as usize / size]).collect();
         let row_counts =
             heights.iter().zip(starts.windows(2)).map(|(height, s)| (height - (s[1] - s[0])) as usize);
         let row_starts = running_sum(row_counts);
-        let rows = rows_below(&Permuted::new(matrix, &order), &starts, &parents, &row_starts);
+        let rows = rows_below(&Permuted::new(pattern, &blocks), &starts, &parents, &row_starts, size);
+        let unknowns = |&block: &u32| (0..size as u32).map(move |part| block * size as u32 + part);
+        let order = blocks.iter().flat_map(unknowns).collect();
         let shape = |front: usize| {
             Trapezoid::new(heights[front] as usize, (starts[front + 1] - starts[front]) as usize)
         };
@@ -122,12 +128,31 @@ fn running_sum(counts: impl Iterator<Item = usize>) -> Vec<usize> {
     std::iter::once(0).chain(sums).collect()
 }
 
+/// Parents and column counts of the unknowns from those of their blocks.
+fn expanded(parents: &[u32], counts: &[u32], size: u32) -> (Vec<u32>, Vec<u32>) {
+    let (mut column_parents, mut column_counts) = (Vec::new(), Vec::new());
+    for (block, (&parent, &count)) in (0u32..).zip(parents.iter().zip(counts)) {
+        for part in 0..size {
+            let above = if parent == NONE { NONE } else { parent * size };
+            column_parents.push(if part + 1 < size { block * size + part + 1 } else { above });
+            column_counts.push(count * size - part);
+        }
+    }
+    (column_parents, column_counts)
+}
+
 /// The rows of every front, by going along the rows of the matrix: row i belongs to every front on the way from an entry
-/// left of the diagonal up to the front of i. Rows come out ascending.
-fn rows_below(matrix: &Permuted, starts: &[u32], parents: &[u32], row_starts: &[usize]) -> Vec<u32> {
+/// left of the diagonal up to the front of i. Rows come out ascending. `matrix`: of blocks of `size` unknowns; all else is of unknowns.
+fn rows_below(
+    matrix: &Permuted,
+    starts: &[u32],
+    parents: &[u32],
+    row_starts: &[usize],
+    size: usize,
+) -> Vec<u32> {
     let mut front_of = vec![0u32; matrix.len()];
     for (front, range) in starts.windows(2).enumerate() {
-        front_of[range[0] as usize..range[1] as usize].fill(front as u32);
+        front_of[range[0] as usize / size..range[1] as usize / size].fill(front as u32);
     }
     let mut rows = vec![0u32; row_starts[row_starts.len() - 1]];
     let mut ends = row_starts.to_vec();
@@ -138,8 +163,10 @@ fn rows_below(matrix: &Permuted, starts: &[u32], parents: &[u32], row_starts: &[
             let mut front = front_of[column as usize];
             while front != own && seen_by[front as usize] != row {
                 seen_by[front as usize] = row;
-                rows[ends[front as usize]] = row;
-                ends[front as usize] += 1;
+                let end = &mut ends[front as usize];
+                let unknowns = row * size as u32..;
+                rows[*end..*end + size].iter_mut().zip(unknowns).for_each(|(into, unknown)| *into = unknown);
+                *end += size;
                 front = parents[front as usize];
             }
         }

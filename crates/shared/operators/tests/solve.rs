@@ -230,6 +230,38 @@ fn coordinates_that_are_no_numbers_are_left_aside() {
     }
 }
 
+/// Three unknowns a vertex, analysed by their blocks: the same solution, whether the matrix has both triangles or only what is eliminated
+/// later.
+#[test]
+fn blocks_are_factored_like_their_unknowns() {
+    let mesh = shapes::grid(12, 1.0);
+    let pattern = shell_matrix(&mesh);
+    let ordering = Ordering::nested_dissection(&pattern, &mesh.positions);
+    let mut place = vec![0; pattern.rows()];
+    ordering.vertices().iter().enumerate().for_each(|(at, &vertex)| place[vertex as usize] = at);
+    let entries = |half: bool| {
+        let mut triplets = sprs::TriMat::new((3 * pattern.rows(), 3 * pattern.rows()));
+        for (column, entries) in pattern.outer_iterator().enumerate() {
+            for (row, value) in entries.iter().filter(|(row, _)| !half || place[*row] >= place[column]) {
+                for (r, c) in (0..9).map(|i| (i / 3, i % 3)) {
+                    // The shell alone says nothing of where it is.
+                    let value = value + if row == column { 100.0 } else { 0.0 };
+                    triplets.add_triplet(3 * row + r, 3 * column + c, value * if r == c { 1.0 } else { 0.2 });
+                }
+            }
+        }
+        triplets.to_csc::<usize>()
+    };
+    let unknowns: Vec<u32> = ordering.vertices().iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect();
+    let (whole, half) = (entries(false), entries(true));
+    let plain = Factor::new(&whole, &unknowns).unwrap();
+    for matrix in [&whole, &half] {
+        let blocks = Factor::of_blocks(&pattern, ordering.vertices(), 3, matrix).unwrap();
+        assert_eq!(blocks.entry_count(), plain.entry_count());
+        assert!(residual(&whole, &blocks) < 1e-9);
+    }
+}
+
 /// A long chain of fronts, each too heavy to be left to one thread with the rest.
 #[test]
 fn deep_trees_are_walked() {

@@ -1,16 +1,19 @@
-//! Minimising a patch's energy: Gauss–Newton far from the minimum, Newton near it.
+//! Minimising a patch's energy by Gauss–Newton steps with a line search.
+//!
+//! Every step has a matrix of its own. Slack edges and triangles ([`crate::slack`]) are two hundred times stiffer on one side of their
+//! measure than on the other, so that a matrix from the step before sends vertices many times too far, whatever was learnt
+//! since.
 
-use crate::energy::Curvature;
+use crate::jet::Jets;
 use crate::patch::Patch;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use operators::{Factor, FactorError};
 use serde::Serialize;
 
-/// Steps, at most.
+/// Steps, at most, …
 const MOST_STEPS: usize = 80;
-/// From a predicted decrease of this share of the energy on, the exact Hessian is tried, until it is not positive definite once:
-/// it seldom is soon after, and finding out costs as much as a step.
-const EXACT_FROM: f64 = 1e-3;
+/// … and where only a start for another descent is wanted.
+const GUIDE_STEPS: usize = 16;
 /// A step of so many times the limit may be the last if steps shrink fast.
 const LAST_STEP: f64 = 5.0;
 /// Share of the limit that may be left to go then.
@@ -24,28 +27,30 @@ const LONGEST_STEP_MM: f64 = 1.0;
 /// Halvings of a step before it is given up.
 const HALVINGS: usize = 12;
 
-/// When a descent stops, and what it may use.
+/// When a descent stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Rule {
-    /// Exact Hessians near the minimum, until a step is shorter than so many mm.
+    /// When a step moves no vertex by so many mm, or steps shrink so fast that less than half of it is left to go.
     Step(f64),
-    /// Gauss–Newton until the energy falls by less than [`PAPER_DECREASE`] of itself.
+    /// The same, or after so many steps: what is found is a start for another descent only.
+    Guide(f64),
+    /// When the energy falls by less than [`PAPER_DECREASE`] of itself.
     Paper,
 }
 
 /// How a descent went.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Descent {
-    /// Steps.
+    /// Steps, each with a factorisation.
     pub steps: usize,
-    /// Of these, with the exact Hessian.
-    pub exact_steps: usize,
-    /// Exact Hessians that were not positive definite.
-    pub indefinite: usize,
+    /// Times that energy and gradient were found.
+    pub evaluations: usize,
     /// Energy at the start.
     pub first_energy: f64,
     /// Energy at the end.
     pub energy: f64,
+    /// Longest movement of a vertex in the first step, mm.
+    pub first_step_mm: f64,
     /// Longest movement of a vertex in the last step, mm.
     pub last_step_mm: f64,
     /// Whether it stopped by its rule.
@@ -58,136 +63,84 @@ pub(crate) fn minimise(
     points: &mut Vec<Point3<f64>>,
     rule: Rule,
 ) -> Result<Descent, FactorError> {
-    let mut way = Descent::default();
-    let mut system = System { order: patch.order(), factor: None };
-    let mut exact = false;
-    for step_number in 0..MOST_STEPS {
-        let (energy, direction, slope, is_exact) = system.direction(patch, points, exact, &mut way)?;
-        if step_number == 0 {
-            way.first_energy = energy;
-        }
-        way.energy = energy;
-        let Some((moved, lower)) = search(patch, points, &direction, energy, slope) else {
-            if is_exact {
-                exact = false;
-                continue;
-            }
+    let mut way = Descent { evaluations: 1, ..Descent::default() };
+    let mut factor = None;
+    let (mut here, mut there) = (Jets::default(), Jets::default());
+    patch.evaluate(points, &mut here);
+    (way.first_energy, way.energy) = (here.energy, here.energy);
+    let most = if matches!(rule, Rule::Guide(_)) { GUIDE_STEPS } else { MOST_STEPS };
+    while way.steps < most && !way.converged {
+        let renewed = patch.factor(points, &here, factor.take())?;
+        let direction = direction(&renewed, &here.gradient);
+        factor = Some(renewed);
+        let Some((moved, share)) = search(patch, points, &direction, &here, &mut there, &mut way) else {
             // Down to rounding: nothing is left to gain.
             way.converged = true;
-            return Ok(way);
+            break;
         };
+        *points = moved;
         way.steps += 1;
-        way.exact_steps += usize::from(is_exact);
-        let (before_mm, step_mm) = (way.last_step_mm, longest(&direction) * moved);
-        *points = stepped(points, &direction, moved);
-        (way.energy, way.last_step_mm) = (lower, step_mm);
-        way.converged = match rule {
-            Rule::Step(limit) => moved == 1.0 && is_last(step_mm, before_mm, limit),
-            Rule::Paper => energy - lower <= PAPER_DECREASE * energy,
-        };
-        if way.converged {
-            return Ok(way);
+        let (before_mm, step_mm) = (way.last_step_mm, longest(&direction) * share);
+        if way.steps == 1 {
+            way.first_step_mm = step_mm;
         }
-        exact = rule != Rule::Paper && way.indefinite == 0 && -0.5 * slope < EXACT_FROM * energy;
+        (way.energy, way.last_step_mm) = (there.energy, step_mm);
+        way.converged = match rule {
+            Rule::Step(limit) | Rule::Guide(limit) => share == 1.0 && is_last(step_mm, before_mm, limit),
+            Rule::Paper => here.energy - there.energy <= PAPER_DECREASE * here.energy,
+        };
+        std::mem::swap(&mut here, &mut there);
     }
     Ok(way)
 }
 
-/// Whether a step, after one of `before` mm, leads near enough to the minimum: it is short, or steps shrink so fast that what is left is.
+/// Whether what is left to go after a step is below the limit, if steps go on shrinking as they did.
 fn is_last(step: f64, before: f64, limit: f64) -> bool {
     let left = if step < before { step * step / (before - step) } else { f64::INFINITY };
     step < limit || (step < LAST_STEP * limit && left < LEFT * limit)
 }
 
-/// The linear system of a patch; its factor's pattern is analysed once.
-struct System {
-    order: Vec<u32>,
-    factor: Option<Factor>,
-}
-
-impl System {
-    /// Energy, direction (per free vertex), the energy's slope along it, and whether it is Newton's own.
-    fn direction(
-        &mut self,
-        patch: &mut Patch,
-        points: &[Point3<f64>],
-        exact: bool,
-        way: &mut Descent,
-    ) -> Result<(f64, Vec<f64>, f64, bool), FactorError> {
-        if exact {
-            let (energy, gradient) = patch.linearise(points, Curvature::Exact);
-            match self.factor(patch) {
-                Ok(factor) => {
-                    let direction = solve(factor, &gradient);
-                    let slope = dot(&direction, &gradient);
-                    return Ok((energy, direction, slope, true));
-                }
-                Err(FactorError::NotPositive { .. }) => way.indefinite += 1,
-                Err(other) => return Err(other),
-            }
-        }
-        let (energy, gradient) = patch.linearise(points, Curvature::GaussNewton);
-        let direction = solve(self.factor(patch)?, &gradient);
-        let slope = dot(&direction, &gradient);
-        Ok((energy, direction, slope, false))
-    }
-
-    fn factor(&mut self, patch: &Patch) -> Result<&Factor, FactorError> {
-        let factor = match self.factor.take() {
-            Some(mut factor) => {
-                let outcome = factor.renew(patch.matrix());
-                let factor = self.factor.insert(factor);
-                outcome?;
-                return Ok(factor);
-            }
-            None => Factor::new(patch.matrix(), &self.order)?,
-        };
-        Ok(self.factor.insert(factor))
-    }
-}
-
 /// `−H⁻¹ g`, no vertex moving farther than the longest step.
-fn solve(factor: &Factor, gradient: &[f64]) -> Vec<f64> {
-    let mut column: Vec<f64> = factor.order().iter().map(|&unknown| -gradient[unknown as usize]).collect();
+fn direction(factor: &Factor, gradient: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let place = |&unknown: &u32| (unknown as usize / 3, unknown as usize % 3);
+    let mut column: Vec<f64> =
+        factor.order().iter().map(place).map(|(vertex, axis)| -gradient[vertex][axis]).collect();
     factor.solve_in_place(&mut column, 1);
-    let mut direction = vec![0.0; gradient.len()];
-    factor.order().iter().zip(&column).for_each(|(&unknown, &value)| direction[unknown as usize] = value);
-    let shorten = (LONGEST_STEP_MM / longest(&direction)).min(1.0);
-    direction.iter_mut().for_each(|value| *value *= shorten);
+    let mut direction = vec![Vector3::zeros(); gradient.len()];
+    for ((vertex, axis), value) in factor.order().iter().map(place).zip(column) {
+        direction[vertex][axis] = value;
+    }
+    let shorten = LONGEST_STEP_MM / longest(&direction);
+    if shorten < 1.0 {
+        direction.iter_mut().for_each(|step| *step *= shorten);
+    }
     direction
 }
 
-/// The share of the direction that brings enough, and the energy there.
+/// The points after a share of the direction that brings enough, and the share; `there` is evaluated at them.
 fn search(
     patch: &Patch,
     points: &[Point3<f64>],
-    direction: &[f64],
-    energy: f64,
-    slope: f64,
-) -> Option<(f64, f64)> {
+    direction: &[Vector3<f64>],
+    here: &Jets,
+    there: &mut Jets,
+    way: &mut Descent,
+) -> Option<(Vec<Point3<f64>>, f64)> {
+    let slope: f64 = direction.iter().zip(&here.gradient).map(|(step, gradient)| step.dot(gradient)).sum();
     let mut share = 1.0;
     for _ in 0..HALVINGS {
-        let lower = patch.energy(&stepped(points, direction, share));
-        if lower <= energy + SUFFICIENT * share * slope {
-            return Some((share, lower));
+        let mut moved = points.to_vec();
+        moved.iter_mut().zip(direction).for_each(|(point, step)| *point += step * share);
+        patch.evaluate(&moved, there);
+        way.evaluations += 1;
+        if there.energy <= here.energy + SUFFICIENT * share * slope {
+            return Some((moved, share));
         }
         share *= 0.5;
     }
     None
 }
 
-fn stepped(points: &[Point3<f64>], direction: &[f64], share: f64) -> Vec<Point3<f64>> {
-    let mut moved = points.to_vec();
-    for (point, step) in moved.iter_mut().zip(direction.chunks_exact(3)) {
-        (0..3).for_each(|c| point[c] += share * step[c]);
-    }
-    moved
-}
-
-fn longest(direction: &[f64]) -> f64 {
-    direction.chunks_exact(3).map(|d| (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt()).fold(0.0, f64::max)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+fn longest(direction: &[Vector3<f64>]) -> f64 {
+    direction.iter().map(Vector3::norm_squared).fold(0.0, f64::max).sqrt()
 }

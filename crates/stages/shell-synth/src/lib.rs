@@ -7,7 +7,7 @@
 //! 1. Valleys are interpolated in time, in the rest pose; a crease that wanders over the skin is put back to where it belongs.
 //! 2. Vertices inside a valley are held on its section. They slide towards the crease, since its walls are skin too.
 //! 3. Around them, as far as valleys reach and no farther, the shell's energy [Grinspun2003] is minimised, each region by itself:
-//!    coarse to fine, Gauss–Newton first, with the exact Hessian near the minimum.
+//!    coarse to fine, by Gauss–Newton steps.
 //!
 //! The shell does not work against the large-scale motion: skin may be as long as in the scan or as short as the motion makes
 //! it ([`Params::resistance`]). The paper's own shell is [`Params::paper`].
@@ -36,12 +36,14 @@
 //! ```
 
 mod at_rest;
+mod blocks;
 mod coarse;
 mod crease;
 mod curve;
 mod descent;
 pub mod energy;
 mod error;
+mod jet;
 mod line;
 mod locator;
 mod moment;
@@ -53,8 +55,8 @@ mod refine;
 mod region;
 mod report;
 mod slack;
+mod solve;
 mod stamp;
-mod sum;
 mod surface;
 mod synthesis;
 
@@ -64,4 +66,5 @@ pub use error::Error;
 pub use params::{Params, Solver, Track};
 pub use refine::Refinement;
 pub use report::{CreaseReport, RegionReport};
+pub use solve::Memory;
 pub use synthesis::{Synthesis, Wrinkling};

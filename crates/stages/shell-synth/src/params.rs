@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
-    /// Coarse to fine; Gauss–Newton first, the exact Hessian near the minimum; stops at a small step.
+    /// Coarse to fine; stops at a small step.
     #[default]
     CoarseToFine,
     /// The paper's: Gauss–Newton on the mesh itself until the energy falls by less than 1e-5 of itself; stiffnesses as
@@ -55,7 +55,8 @@ pub struct Params {
     pub rim_share: f64,
     /// Step, mm, at which the descent stops.
     pub step_mm: f64,
-    /// Edge length, mm, of the coarse level; a mesh that is not finer than two thirds of it has none.
+    /// Edge length, mm, of the coarsest level; a mesh that is not finer than two thirds of it has none. Every other level has edges 2.4
+    /// times shorter than the level before.
     pub coarse_edge_mm: f64,
     /// Longest gap, in frames, that valleys are interpolated over; before and after a longer one they fade.
     pub longest_gap: u32,

@@ -1,11 +1,11 @@
-//! A part of the shell whose vertices are free, with everything else standing still: energy, gradient, Hessian.
+//! A part of the shell whose vertices are free, with everything else standing still: its elements and what they cost.
 
-use crate::energy::{self, Curvature};
+use crate::blocks::Blocks;
+use crate::jet::{Jets, JointJet, TileJet};
 use crate::slack::Slack;
-use crate::sum::Sum;
 use crate::surface::{NONE, Surface};
 use nalgebra::{Point3, Vector3};
-use operators::{CsMat, Ordering};
+use operators::{CsMat, Factor, FactorError};
 
 /// What pulls a free vertex to a place, `stiffness · ‖x − target‖²`, or keeps it from going behind a plane.
 #[derive(Debug, Clone, Copy)]
@@ -24,201 +24,176 @@ impl Spring {
     }
 }
 
+/// An edge and the hinge at it, in a patch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Joint {
+    /// Ends and apexes, as places in [`Patch::vertices`]; [`NONE`]: there is no second apex.
+    pub(crate) vertices: [u32; 4],
+    pub(crate) length: Slack,
+    /// 0 where no end is free.
+    pub(crate) edge_weight: f64,
+    pub(crate) angle: f64,
+    /// 0 where it does not bend.
+    pub(crate) bend_weight: f64,
+}
+
+/// A triangle in a patch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tile {
+    pub(crate) vertices: [u32; 3],
+    pub(crate) area: Slack,
+    pub(crate) weight: f64,
+}
+
+/// What a patch is made for: its free vertices and what pulls them.
+pub(crate) struct Freed<'a> {
+    /// The mesh's vertices, rising.
+    pub(crate) vertices: Vec<u32>,
+    /// Per vertex.
+    pub(crate) springs: Vec<[Option<Spring>; 3]>,
+    /// Per vertex of the mesh its place in an elimination order of all vertices that may become free ([`NONE`]: it was not
+    /// among them).
+    pub(crate) ranks: &'a [u32],
+}
+
 /// Free vertices, the elements that touch them, and the pattern of their Hessian.
-pub(crate) struct Patch<'a> {
-    surface: &'a Surface,
+pub(crate) struct Patch {
     /// The mesh's vertices: the free ones first, rising, then those that elements touch besides.
     pub(crate) vertices: Vec<u32>,
     pub(crate) free_count: usize,
-    springs: Vec<Vec<Spring>>,
-    /// Hinges and triangles of the mesh, with their vertices' places in `vertices`.
-    hinges: Vec<(u32, [u32; 4])>,
-    triangles: Vec<(u32, [u32; 3])>,
-    /// Per hinge its edge's length and per triangle its area, at rest.
-    lengths: Vec<Slack>,
-    areas: Vec<Slack>,
-    /// Per free vertex where the blocks of its columns start, in blocks.
-    starts: Vec<usize>,
-    /// Per block the free vertex of its rows; rising in every column.
-    rows: Vec<u32>,
-    matrix: CsMat<f64>,
+    springs: Vec<[Option<Spring>; 3]>,
+    joints: Vec<Joint>,
+    tiles: Vec<Tile>,
+    blocks: Blocks,
 }
 
-impl<'a> Patch<'a> {
-    /// `free`: rising; `springs`: per free vertex.
-    pub(crate) fn new(surface: &'a Surface, free: Vec<u32>, springs: Vec<Vec<Spring>>) -> Self {
-        let free_count = free.len();
-        let mut places = Places::new(surface.rest.len(), free);
-        let mut near: Vec<u32> =
-            places.vertices.iter().flat_map(|&vertex| surface.around(vertex)).copied().collect();
-        near.sort_unstable();
-        near.dedup();
-        let mut edges: Vec<u32> =
-            near.iter().flat_map(|&triangle| surface.sides[triangle as usize]).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        let triangles: Vec<(u32, [u32; 3])> = near
+impl Patch {
+    /// A patch whose edges and triangles are slack ([`crate::slack`]) between their measure at rest and that without wrinkles, down
+    /// to a share of their stiffness. `large`: a vertex' place without wrinkles.
+    pub(crate) fn new(
+        surface: &Surface,
+        freed: Freed,
+        large: impl Fn(u32) -> Point3<f64>,
+        share: f64,
+    ) -> Self {
+        let free_count = freed.vertices.len();
+        let mut places = Places::new(surface.rest.len(), freed.vertices);
+        let (triangles, edges) = touched(surface, &places.vertices[..free_count]);
+        let tiles: Vec<Tile> = triangles
             .iter()
-            .map(|&at| (at, surface.triangles[at as usize].map(|vertex| places.of(vertex))))
-            .collect();
-        let hinges: Vec<(u32, [u32; 4])> = edges
-            .iter()
-            .map(|&at| (at, surface.hinges[at as usize].vertices.map(|vertex| places.of(vertex))))
-            .filter(|(_, around)| around.iter().any(|&vertex| (vertex as usize) < free_count))
-            .collect();
-        let (starts, rows) = block_pattern(free_count, &hinges);
-        let matrix = blank_matrix(&starts, &rows);
-        let lengths = hinges
-            .iter()
-            .map(|&(at, _)| {
-                let length = surface.hinges[at as usize].length;
-                Slack::new(length, length, 1.0)
+            .map(|&at| {
+                let corners = surface.triangles[at as usize];
+                let [a, b, c] = corners.map(&large);
+                let given = 0.5 * (b - a).cross(&(c - a)).norm();
+                let (rest, weight) = (surface.rest_areas[at as usize], surface.area_weights[at as usize]);
+                let vertices = corners.map(|vertex| places.of(vertex));
+                Tile { vertices, area: Slack::new(rest, given, share), weight }
             })
             .collect();
-        let areas = triangles
-            .iter()
-            .map(|&(at, _)| {
-                let area = surface.rest_areas[at as usize];
-                Slack::new(area, area, 1.0)
-            })
-            .collect();
+        let mut joints = Vec::with_capacity(edges.len());
+        for at in edges {
+            let hinge = &surface.hinges[at as usize];
+            let vertices = hinge.vertices.map(|vertex| places.of(vertex));
+            let free = vertices.map(|vertex| (vertex as usize) < free_count);
+            if !free.contains(&true) {
+                continue;
+            }
+            let given = (large(hinge.vertices[1]) - large(hinge.vertices[0])).norm();
+            joints.push(Joint {
+                vertices,
+                length: Slack::new(hinge.length, given, share),
+                edge_weight: if free[0] || free[1] { hinge.edge_weight } else { 0.0 },
+                angle: hinge.angle,
+                bend_weight: if hinge.bends() { hinge.bend_weight } else { 0.0 },
+            });
+        }
         let vertices = places.vertices;
-        Self {
-            surface,
-            vertices,
-            free_count,
-            springs,
-            hinges,
-            triangles,
-            lengths,
-            areas,
-            starts,
-            rows,
-            matrix,
-        }
+        let blocks = Blocks::new(surface, &vertices[..free_count], &joints, &tiles, freed.ranks);
+        Self { vertices, free_count, springs: freed.springs, joints, tiles, blocks }
     }
 
-    /// Takes every edge and triangle for slack between its measure at rest and that in the motion without wrinkles
-    /// ([`crate::slack`]). `large`: of `vertices`.
-    pub(crate) fn slacken(&mut self, large: &[Point3<f64>], share: f64) {
-        let at = |vertex: u32| large[vertex as usize];
-        for (&(number, around), length) in self.hinges.iter().zip(&mut self.lengths) {
-            let given = (at(around[1]) - at(around[0])).norm();
-            *length = Slack::new(self.surface.hinges[number as usize].length, given, share);
-        }
-        for (&(number, corners), area) in self.triangles.iter().zip(&mut self.areas) {
-            let [a, b, c] = corners.map(at);
-            let given = 0.5 * (b - a).cross(&(c - a)).norm();
-            *area = Slack::new(self.surface.rest_areas[number as usize], given, share);
-        }
-    }
-
-    /// An elimination order of the unknowns (x, y, z of each free vertex): nested dissection of the vertices.
-    pub(crate) fn order(&self) -> Vec<u32> {
-        let count = self.free_count;
-        let mut indices = Vec::with_capacity(self.rows.len());
-        indices.extend(self.rows.iter().map(|&row| row as usize));
-        let pattern =
-            CsMat::new_csc((count, count), self.starts.clone(), indices, vec![1.0; self.rows.len()]);
-        let points: Vec<Point3<f64>> =
-            self.vertices[..count].iter().map(|&vertex| self.surface.rest[vertex as usize]).collect();
-        let order = Ordering::nested_dissection(&pattern, &points);
-        order.vertices().iter().flat_map(|&vertex| [3 * vertex, 3 * vertex + 1, 3 * vertex + 2]).collect()
-    }
-
-    /// The energy of everything that touches a free vertex. `points`: of `vertices`.
-    pub(crate) fn energy(&self, points: &[Point3<f64>]) -> f64 {
-        let at = |vertex: u32| points[vertex as usize];
-        let mut sum = 0.0;
-        for (&(number, around), length) in self.hinges.iter().zip(&self.lengths) {
-            let hinge = &self.surface.hinges[number as usize];
-            if self.stretches(&around) {
-                sum += hinge.edge_weight * length.energy((at(around[1]) - at(around[0])).norm());
-            }
-            if hinge.bends() {
-                let angle = energy::dihedral_angle(&around.map(at));
-                let excess = energy::wrapped(angle - hinge.angle);
-                sum += hinge.bend_weight * excess * excess;
-            }
-        }
-        for (&(number, corners), area) in self.triangles.iter().zip(&self.areas) {
-            let [a, b, c] = corners.map(at);
-            sum += self.surface.area_weights[number as usize]
-                * area.energy(0.5 * (b - a).cross(&(c - a)).norm());
-        }
-        sum + self.spring_energy(points)
-    }
-
-    fn spring_energy(&self, points: &[Point3<f64>]) -> f64 {
-        let of = |(point, springs): (&Point3<f64>, &Vec<Spring>)| -> f64 {
-            springs.iter().map(|spring| spring.stiffness * spring.stretch(point).norm_squared()).sum()
+    /// Energy and gradient of everything that touches a free vertex. `points`: of `vertices`.
+    pub(crate) fn evaluate(&self, points: &[Point3<f64>], into: &mut Jets) {
+        into.fill(&self.joints, &self.tiles, points);
+        let springs = |vertex: usize| self.springs[vertex].iter().flatten();
+        let spring_energy: f64 = (0..self.free_count)
+            .flat_map(|vertex| springs(vertex).map(move |spring| (vertex, spring)))
+            .map(|(vertex, spring)| spring.stiffness * spring.stretch(&points[vertex]).norm_squared())
+            .sum();
+        into.energy += spring_energy;
+        into.gradient.resize(self.free_count, Vector3::zeros());
+        let pull = |vertex: usize| -> Vector3<f64> {
+            let at = &points[vertex];
+            springs(vertex).map(|spring| spring.stretch(at) * (2.0 * spring.stiffness)).sum()
         };
-        points.iter().zip(&self.springs).map(of).sum()
+        let (joints, tiles) = (&into.joints, &into.tiles);
+        self.blocks.gather(&mut into.gradient, |vertex, joint_corners, tile_corners| {
+            let mut sum = pull(vertex);
+            joint_corners.for_each(|(joint, corner): (u32, usize)| {
+                sum += JointJet::pull(&joints[joint as usize], corner);
+            });
+            tile_corners
+                .for_each(|(tile, corner): (u32, usize)| sum += TileJet::pull(&tiles[tile as usize], corner));
+            sum
+        });
     }
 
-    fn stretches(&self, around: &[u32; 4]) -> bool {
-        around[..2].iter().any(|&vertex| (vertex as usize) < self.free_count)
+    /// Factors the Gauss–Newton matrix at `points`, where `jets` was evaluated.
+    pub(crate) fn factor(
+        &mut self,
+        points: &[Point3<f64>],
+        jets: &Jets,
+        factor: Option<Factor>,
+    ) -> Result<Factor, FactorError> {
+        let springs = &self.springs;
+        self.blocks.fill(jets, |vertex| {
+            springs[vertex].iter().flatten().filter_map(move |spring| {
+                let at = &points[vertex];
+                let idle = spring.plane.is_some() && spring.stretch(at) == Vector3::zeros();
+                (!idle).then_some((2.0 * spring.stiffness, spring.plane))
+            })
+        });
+        match factor {
+            Some(mut factor) => factor.renew(self.matrix()).map(|()| factor),
+            None => self.blocks.factor(),
+        }
     }
 
-    /// Energy and gradient (x, y, z of each free vertex); the Hessian stands in [`Patch::matrix`] after.
-    pub(crate) fn linearise(&mut self, points: &[Point3<f64>], curvature: Curvature) -> (f64, Vec<f64>) {
-        let mut sum = Sum {
-            free_count: self.free_count as u32,
-            starts: &self.starts,
-            rows: &self.rows,
-            values: self.matrix.data_mut(),
-            energy: 0.0,
-            gradient: vec![0.0; 3 * self.free_count],
-        };
-        sum.values.fill(0.0);
-        let at = |vertex: u32| points[vertex as usize];
-        for (&(number, around), length) in self.hinges.iter().zip(&self.lengths) {
-            let hinge = &self.surface.hinges[number as usize];
-            let ends = [around[0], around[1]];
-            if ends.iter().any(|&vertex| vertex < sum.free_count) {
-                let points = ends.map(at);
-                let measure = (points[1] - points[0]).norm();
-                let (rest, share) = length.parabola(measure);
-                let mut term = energy::edge(&points, rest, share * hinge.edge_weight, curvature);
-                term.energy = hinge.edge_weight * length.energy(measure);
-                sum.add(&ends, &term);
-            }
-            if hinge.bends() {
-                let term = energy::hinge(&around.map(at), hinge.angle, hinge.bend_weight, curvature);
-                sum.add(&around, &term);
-            }
-        }
-        for (&(number, corners), area) in self.triangles.iter().zip(&self.areas) {
-            let weight = self.surface.area_weights[number as usize];
-            let points = corners.map(at);
-            let measure = 0.5 * (points[1] - points[0]).cross(&(points[2] - points[0])).norm();
-            let (rest, share) = area.parabola(measure);
-            let mut term = energy::triangle(&points, rest, share * weight, curvature);
-            term.energy = weight * area.energy(measure);
-            sum.add(&corners, &term);
-        }
-        for (vertex, springs) in self.springs.iter().enumerate() {
-            springs.iter().for_each(|spring| sum.add_spring(vertex as u32, at(vertex as u32), spring));
-        }
-        (sum.energy, sum.gradient)
-    }
-
-    pub(crate) fn matrix(&self) -> &CsMat<f64> {
-        &self.matrix
+    fn matrix(&self) -> &CsMat<f64> {
+        self.blocks.matrix()
     }
 
     /// Triangles that have turned over or lost nearly all their area, as (inverted, degenerate).
     pub(crate) fn damage(&self, points: &[Point3<f64>], normals: &[Vector3<f64>]) -> [usize; 2] {
         let mut counts = [0; 2];
-        for &(number, corners) in &self.triangles {
-            let [a, b, c] = corners.map(|vertex| points[vertex as usize]);
+        for tile in &self.tiles {
+            let [a, b, c] = tile.vertices.map(|vertex| points[vertex as usize]);
             let area = 0.5 * (b - a).cross(&(c - a));
-            let outwards: Vector3<f64> = corners.iter().map(|&vertex| normals[vertex as usize]).sum();
+            let outwards: Vector3<f64> = tile.vertices.iter().map(|&vertex| normals[vertex as usize]).sum();
             counts[0] += usize::from(area.dot(&outwards) < 0.0);
-            counts[1] += usize::from(area.norm() < 0.05 * self.surface.rest_areas[number as usize]);
+            counts[1] += usize::from(area.norm() < 0.05 * tile.area.rest());
         }
         counts
     }
+}
+
+/// Triangles and edges of the triangles around some vertices, in the order in which they are met.
+fn touched(surface: &Surface, vertices: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut seen_triangles = vec![false; surface.triangles.len()];
+    let mut seen_edges = vec![false; surface.hinges.len()];
+    let (mut triangles, mut edges) = (Vec::new(), Vec::new());
+    for &triangle in vertices.iter().flat_map(|&vertex| surface.around(vertex)) {
+        if std::mem::replace(&mut seen_triangles[triangle as usize], true) {
+            continue;
+        }
+        triangles.push(triangle);
+        for edge in surface.sides[triangle as usize] {
+            if !std::mem::replace(&mut seen_edges[edge as usize], true) {
+                edges.push(edge);
+            }
+        }
+    }
+    (triangles, edges)
 }
 
 /// Numbers of the mesh's vertices in a patch.
@@ -248,36 +223,92 @@ impl Places {
     }
 }
 
-/// Per free vertex the free vertices that share a hinge with it, itself included.
-fn block_pattern(free_count: usize, hinges: &[(u32, [u32; 4])]) -> (Vec<usize>, Vec<u32>) {
-    let mut pairs: Vec<Vec<u32>> = vec![Vec::with_capacity(24); free_count];
-    let free = |vertex: u32| (vertex as usize) < free_count;
-    for (_, around) in hinges {
-        for &column in around.iter().filter(|&&vertex| free(vertex)) {
-            pairs[column as usize].extend(around.iter().copied().filter(|&vertex| free(vertex)));
-        }
-    }
-    let mut starts = vec![0];
-    let mut rows = Vec::new();
-    for column in &mut pairs {
-        column.sort_unstable();
-        column.dedup();
-        rows.extend_from_slice(column);
-        starts.push(rows.len());
-    }
-    (starts, rows)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Params;
 
-fn blank_matrix(starts: &[usize], rows: &[u32]) -> CsMat<f64> {
-    let count = starts.len() - 1;
-    let (mut column_starts, mut indices) = (vec![0], Vec::with_capacity(9 * rows.len()));
-    for column in 0..count {
-        for _ in 0..3 {
-            let blocks = &rows[starts[column]..starts[column + 1]];
-            indices.extend(blocks.iter().flat_map(|&row| (0..3).map(move |r| 3 * row as usize + r)));
-            column_starts.push(indices.len());
+    /// A bumpy plate of 6 × 6 vertices, its inner ones free, one with a spring.
+    fn plate() -> (Surface, Vec<u32>) {
+        let at = |i: u32| {
+            let (x, y) = (f64::from(i % 6), f64::from(i / 6));
+            Point3::new(0.3 * x + 0.05 * (y * 1.7).sin(), 0.3 * y, 0.08 * (x * 1.3 + y).sin())
+        };
+        let cell = |i: u32| [[i, i + 1, i + 7], [i, i + 7, i + 6]];
+        let triangles = (0..30).filter(|i| i % 6 < 5).flat_map(cell).collect();
+        let surface = Surface::new((0..36).map(at).collect(), triangles, &Params::default()).unwrap();
+        let free = (0..36).filter(|i| (1..5).contains(&(i % 6)) && (1..5).contains(&(i / 6))).collect();
+        (surface, free)
+    }
+
+    fn patch(surface: &Surface, free: &[u32], large: impl Fn(u32) -> Point3<f64>, share: f64) -> Patch {
+        let spring = |at: usize| {
+            let target = surface.rest[free[at] as usize];
+            [(at == 3).then_some(Spring { stiffness: 7.0, target, plane: None }), None, None]
+        };
+        let springs = (0..free.len()).map(spring).collect();
+        let ranks = vec![NONE; surface.rest.len()];
+        Patch::new(surface, Freed { vertices: free.to_vec(), springs, ranks: &ranks }, large, share)
+    }
+
+    fn evaluated(patch: &Patch, points: &[Point3<f64>]) -> Jets {
+        let mut jets = Jets::default();
+        patch.evaluate(points, &mut jets);
+        jets
+    }
+
+    /// Points moved by ± a step along one axis.
+    fn beside(points: &[Point3<f64>], vertex: usize, axis: usize, step: f64) -> [Vec<Point3<f64>>; 2] {
+        [step, -step].map(|step| {
+            let mut moved = points.to_vec();
+            moved[vertex][axis] += step;
+            moved
+        })
+    }
+
+    #[test]
+    fn the_gradient_agrees_with_differences() {
+        let (surface, free) = plate();
+        let pushed = |vertex: u32| {
+            surface.rest[vertex as usize] + Vector3::new(0.0, 0.02 * f64::from(vertex / 6), 0.0)
+        };
+        let patch = patch(&surface, &free, pushed, 0.01);
+        let points: Vec<Point3<f64>> = patch
+            .vertices
+            .iter()
+            .map(|&v| pushed(v) + Vector3::new(0.0, 0.0, 0.03 * f64::from(v % 5)))
+            .collect();
+        let jets = evaluated(&patch, &points);
+        let largest = jets.gradient.iter().map(Vector3::amax).fold(0.0, f64::max);
+        for vertex in 0..free.len() {
+            for axis in 0..3 {
+                let [up, down] = beside(&points, vertex, axis, 1e-6).map(|at| evaluated(&patch, &at).energy);
+                let slope = (up - down) / 2e-6;
+                assert!((slope - jets.gradient[vertex][axis]).abs() < 1e-6 * largest, "{vertex} {axis}");
+            }
         }
     }
-    let values = vec![0.0; indices.len()];
-    CsMat::new_csc((3 * count, 3 * count), column_starts, indices, values)
+
+    /// At rest nothing pulls, so that the Gauss–Newton matrix is the Hessian.
+    #[test]
+    fn the_matrix_agrees_with_differences_at_rest() {
+        let (surface, free) = plate();
+        let rest = |vertex: u32| surface.rest[vertex as usize];
+        let mut patch = patch(&surface, &free, rest, 1.0);
+        let points: Vec<Point3<f64>> = patch.vertices.iter().map(|&vertex| rest(vertex)).collect();
+        let jets = evaluated(&patch, &points);
+        assert!(jets.energy < 1e-20);
+        patch.factor(&points, &jets, None).unwrap();
+        let matrix = patch.matrix();
+        let largest = matrix.data().iter().fold(0.0f64, |most, value| most.max(value.abs()));
+        let stored = |row: usize, column: usize| matrix.get(row, column).or(matrix.get(column, row));
+        for column in 0..3 * free.len() {
+            let [up, down] = beside(&points, column / 3, column % 3, 1e-6).map(|at| evaluated(&patch, &at));
+            for row in 0..3 * free.len() {
+                let slope = (up.gradient[row / 3][row % 3] - down.gradient[row / 3][row % 3]) / 2e-6;
+                let found = stored(row, column).copied().unwrap_or(0.0);
+                assert!((slope - found).abs() < 1e-6 * largest, "{row} {column}: {slope} {found}");
+            }
+        }
+    }
 }

@@ -8,7 +8,7 @@ const ARC_STEPS: usize = 24;
 /// How much skin, mm, lies between the crease and a distance `p` ≥ 0 on a side (±1).
 fn arc_mm(section: &ProfileShape, p: f64, side: f64) -> f64 {
     let step = p / ARC_STEPS as f64;
-    let speed = |i: usize| section.at(side * (i as f64 + 0.5) * step).1.hypot(1.0);
+    let speed = |i: usize| (1.0 + section.at(side * (i as f64 + 0.5) * step).1.powi(2)).sqrt();
     (0..ARC_STEPS).map(speed).sum::<f64>() * step
 }
 
@@ -16,7 +16,7 @@ fn arc_mm(section: &ProfileShape, p: f64, side: f64) -> f64 {
 pub(crate) fn distance_of_arc(section: &ProfileShape, arc: f64, side: f64) -> f64 {
     let mut p = arc;
     for _ in 0..8 {
-        let slope = section.at(side * p).1.hypot(1.0);
+        let slope = (1.0 + section.at(side * p).1.powi(2)).sqrt();
         p = (p - (arc_mm(section, p, side) - arc) / slope).clamp(0.0, arc);
     }
     p

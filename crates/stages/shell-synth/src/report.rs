@@ -16,8 +16,8 @@ pub struct RegionReport {
     pub free_vertices: usize,
     /// Whether it started from the frame before.
     pub warm: bool,
-    /// On the coarse level, where there is one.
-    pub coarse: Option<Descent>,
+    /// On the coarse levels, coarsest first.
+    pub levels: Vec<Descent>,
     /// On the mesh.
     pub descent: Descent,
     /// Triangles that turned over.

@@ -5,7 +5,11 @@
 //! the valleys. Here a measure q (an edge's length, a triangle's area) that lies between the scan's and the large-scale motion's
 //! costs next to nothing: skin that is too long for its place is a store that valleys and bulges draw from, and only what
 //! goes beyond is resisted in full: `(1 − s) (q − [q])² + s (q − q̄)²`, [q] the nearest measure between both, q̄ the scan's, and
-//! s a small share. With s = 1 it is the paper's.
+//! s a small share. With s = 1 it is the paper's. Over the first half per cent beyond, the square sets in by a cubic.
+
+/// Share of the measure at rest over which the resistance beyond sets in: a step of the stiffness would let Newton's steps circle
+/// around it.
+const ONSET: f64 = 0.005;
 
 /// What an edge or a triangle may measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,30 +17,40 @@ pub(crate) struct Slack {
     rest: f64,
     given: f64,
     share: f64,
+    onset: f64,
+}
+
+/// An energy and its first and second derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cost {
+    pub(crate) energy: f64,
+    pub(crate) slope: f64,
+    pub(crate) curvature: f64,
 }
 
 impl Slack {
     /// Between the measure at rest and that under the motion without wrinkles; `share`: s, above 0 and up to 1.
     pub(crate) fn new(rest: f64, given: f64, share: f64) -> Self {
-        Self { rest, given, share }
+        Self { rest, given, share, onset: ONSET * rest }
     }
 
-    fn nearest(&self, measure: f64) -> f64 {
-        measure.clamp(self.rest.min(self.given), self.rest.max(self.given))
+    pub(crate) fn rest(&self) -> f64 {
+        self.rest
     }
 
-    /// Energy of a measure, for a weight of 1.
-    pub(crate) fn energy(&self, measure: f64) -> f64 {
-        let beyond = measure - self.nearest(measure);
-        (1.0 - self.share) * beyond * beyond + self.share * (measure - self.rest).powi(2)
-    }
-
-    /// The parabola `weight · (q − rest)²` with the same derivatives at a measure: (rest, weight).
-    pub(crate) fn parabola(&self, measure: f64) -> (f64, f64) {
-        let nearest = self.nearest(measure);
-        match nearest == measure {
-            true => (self.rest, self.share),
-            false => (nearest + self.share * (self.rest - nearest), 1.0),
+    /// What a measure costs, for a weight of 1.
+    pub(crate) fn cost(&self, measure: f64) -> Cost {
+        let beyond = measure - measure.clamp(self.rest.min(self.given), self.rest.max(self.given));
+        let (far, onset) = (beyond.abs(), self.onset);
+        let [energy, slope, curvature] = match far < onset {
+            true => [far * far * far / (3.0 * onset), far * far / onset, 2.0 * far / onset],
+            false => [far * far - onset * far + onset * onset / 3.0, 2.0 * far - onset, 2.0],
+        };
+        let (other, from) = (1.0 - self.share, measure - self.rest);
+        Cost {
+            energy: other * energy + self.share * from * from,
+            slope: other * slope.copysign(beyond) + 2.0 * self.share * from,
+            curvature: other * curvature + 2.0 * self.share,
         }
     }
 }
@@ -46,12 +60,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_parabola_has_the_energy_s_derivatives() {
+    fn derivatives_agree_with_differences() {
         for slack in [Slack::new(1.0, 0.9, 0.01), Slack::new(1.0, 1.2, 0.1), Slack::new(1.0, 0.8, 1.0)] {
-            for measure in [0.7, 0.95, 1.1, 1.4] {
-                let (rest, weight) = slack.parabola(measure);
-                let slope = (slack.energy(measure + 1e-6) - slack.energy(measure - 1e-6)) / 2e-6;
-                assert!((2.0 * weight * (measure - rest) - slope).abs() < 1e-9, "{slack:?} at {measure}");
+            for measure in [0.7, 0.797, 0.897, 0.95, 1.003, 1.1, 1.4] {
+                let (up, down) = (slack.cost(measure + 1e-6), slack.cost(measure - 1e-6));
+                let cost = slack.cost(measure);
+                assert!(
+                    (cost.slope - (up.energy - down.energy) / 2e-6).abs() < 1e-9,
+                    "{slack:?} at {measure}"
+                );
+                assert!(
+                    (cost.curvature - (up.slope - down.slope) / 2e-6).abs() < 1e-6,
+                    "{slack:?} at {measure}"
+                );
             }
         }
     }
@@ -59,12 +80,13 @@ mod tests {
     #[test]
     fn without_slack_it_is_the_papers() {
         for measure in [0.7, 0.95, 1.3] {
-            assert_eq!(Slack::new(1.0, 0.8, 1.0).energy(measure), (measure - 1.0f64).powi(2));
+            assert_eq!(Slack::new(1.0, 0.8, 1.0).cost(measure).energy, (measure - 1.0f64).powi(2));
         }
     }
 
     #[test]
     fn between_both_measures_it_costs_little() {
-        assert!(Slack::new(1.0, 0.9, 0.01).energy(0.92) < 0.011 * Slack::new(1.0, 0.9, 1.0).energy(0.92));
+        let energy = |share: f64| Slack::new(1.0, 0.9, share).cost(0.92).energy;
+        assert!(energy(0.01) < 0.011 * energy(1.0));
     }
 }

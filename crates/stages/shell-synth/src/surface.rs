@@ -1,6 +1,6 @@
 //! The rest mesh as a shell: edges, hinges, triangles and their measures at rest.
 
-use crate::energy::dihedral_angle;
+use crate::energy::dihedral;
 use crate::{Error, Params, Solver};
 use mesh::Around;
 use nalgebra::Point3;
@@ -157,7 +157,7 @@ impl Surface {
         // A second triangle that runs the same way is turned over: there is no angle to speak of.
         if let Some(second) = second.filter(|&second| self.ends(second) == [stop, start]) {
             hinge.vertices[3] = self.apex(second);
-            hinge.angle = dihedral_angle(&hinge.vertices.map(|vertex| self.rest[vertex as usize]));
+            hinge.angle = dihedral(&hinge.vertices.map(|vertex| self.rest[vertex as usize])).0;
             // A third of the mean height of both triangles [Grinspun2003].
             let height = 2.0 * mean_area / length / 3.0;
             hinge.bend_weight = params.bending_stiffness * length / height.max(f64::MIN_POSITIVE);

@@ -2,11 +2,11 @@
 
 mod collapse;
 mod flip;
+mod queue;
 
 use collapse::Collapse;
 use nalgebra::Point3;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use queue::{Candidate, Queue};
 
 /// A coarse mesh over some of a scan's vertices, with the scan's topology: boundary loops stay boundary loops, cuts stay cut.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,25 +54,21 @@ impl Proxy {
         // The side of equilateral triangles of which so many vertices cover this area.
         let side = (2.0 * area / (3f64.sqrt() * aim)).sqrt();
         let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        let cost = |a: u32, b: u32| {
-            let length = (points[a as usize] - points[b as usize]).norm();
-            Candidate {
-                cost: length / (0.5 * (spacing[a as usize] + spacing[b as usize])),
-                length,
-                ends: [a, b],
-            }
+        let length = |[a, b]: [u32; 2]| (points[a as usize] - points[b as usize]).norm();
+        let candidate = |ends: [u32; 2]| {
+            let [a, b] = ends.map(|vertex| spacing[vertex as usize]);
+            Candidate { cost: length(ends) / (0.5 * (a + b)), ends }
         };
-        let mut open: BinaryHeap<Reverse<Candidate>> =
-            collapse.edges().map(|[a, b]| Reverse(cost(a, b))).collect();
-        while let Some(Reverse(next)) = open.pop() {
+        let mut open = Queue::new(collapse.edges().map(candidate).collect());
+        while let Some(next) = open.pop() {
             let enough = collapse.vertex_count() <= target;
             if enough && next.cost >= SHORTEST * side / finest {
                 break;
             }
-            if (!enough || next.length < SHORTEST * side)
+            if (!enough || length(next.ends) < SHORTEST * side)
                 && let Some(kept) = collapse.attempt(next.ends)
             {
-                open.extend(collapse.neighbors(kept).into_iter().map(|other| Reverse(cost(kept, other))));
+                collapse.neighbors(kept).into_iter().for_each(|other| open.push(candidate([kept, other])));
             }
         }
         match collapse.is_untouched() {
@@ -90,27 +86,5 @@ impl Proxy {
         let triangles =
             triangles.into_iter().map(|corners| corners.map(|old| renamed[old as usize])).collect();
         Self { vertices, triangles }
-    }
-}
-
-/// An edge that may go. Sorted by cost, then by its ends, so that the result does not depend on the heap's mood.
-#[derive(PartialEq)]
-struct Candidate {
-    cost: f64,
-    length: f64,
-    ends: [u32; 2],
-}
-
-impl Eq for Candidate {}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.cost.total_cmp(&other.cost).then(self.ends.cmp(&other.ends))
     }
 }

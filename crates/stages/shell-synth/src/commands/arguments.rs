@@ -172,7 +172,7 @@ enum Preset {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SolverChoice {
-    /// Coarse to fine, exact Hessian near the minimum, until steps are small
+    /// Coarse to fine, until steps are small
     CoarseToFine,
     /// Gauss–Newton on the mesh itself until the energy falls by less than 1e-5 of itself; k_e whatever the edge length
     Paper,

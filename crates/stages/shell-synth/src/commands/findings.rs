@@ -50,19 +50,19 @@ impl Findings {
 
     fn row(&mut self, frame: i64, region: &RegionReport) {
         let way = &region.descent;
-        let coarse = region.coarse.map_or(0, |coarse| coarse.steps);
+        let coarse: usize = region.levels.iter().map(|level| level.steps).sum();
         // Writing to a string cannot fail.
         let _ = writeln!(
             self.table,
-            "{frame},{},{},{},{coarse},{},{},{},{:e},{:e},{:e},{},{},{}",
+            "{frame},{},{},{},{coarse},{},{},{:e},{:e},{:e},{:e},{},{},{}",
             region.wrinkles.join(" "),
             region.free_vertices,
             region.warm,
             way.steps,
-            way.exact_steps,
-            way.indefinite,
+            way.evaluations,
             way.first_energy,
             way.energy,
+            way.first_step_mm,
             way.last_step_mm,
             way.converged,
             region.inverted_triangles,
@@ -72,7 +72,7 @@ impl Findings {
 
     /// The table, one row per frame and region.
     pub(crate) fn table(&self) -> String {
-        let head = "frame,wrinkles,free_vertices,warm,coarse_steps,steps,exact_steps,indefinite,first_energy,energy,last_step_mm,\
+        let head = "frame,wrinkles,free_vertices,warm,coarse_steps,steps,evaluations,first_energy,energy,first_step_mm,last_step_mm,\
                     converged,inverted_triangles,degenerate_triangles\n";
         format!("{head}{}", self.table)
     }

@@ -9,8 +9,8 @@ use artifact::{
     ValleysHeader, Wrinkled, pc2,
 };
 use mesh::Mesh;
-use nalgebra::{Point3, Vector3};
-use shell_synth::Synthesis;
+use nalgebra::Point3;
+use shell_synth::{Memory, Synthesis};
 use stage::Run;
 use std::path::{Path, PathBuf};
 
@@ -170,20 +170,21 @@ fn animate(
     let last = large.wanted[large.wanted.len() - 1];
     let mut cursor = large.samples.cursor()?;
     let mut progress = run.progress("frames", Some((large.wanted.len() - there) as u64));
-    let mut before: Option<(i64, Vec<Vector3<f64>>)> = None;
+    let mut before: Option<(i64, Memory)> = None;
     for &frame in large.index.frames.iter().filter(|frame| (start..=last).contains(*frame)) {
         let smooth = ground.carry(run.timed("read", || cursor.read(frame))?);
         let warm = before.take().filter(|(number, _)| *number == frame - 1 && !starts_anew(frame));
-        let warm = warm.as_ref().map(|(_, moved)| moved.as_slice());
+        let warm = warm.as_ref().map(|(_, memory)| memory);
+        let name = if warm.is_some() { "synthesis-warm" } else { "synthesis" };
         let made = run
-            .timed("synthesis", || synthesis.frame(frame, &smooth, warm))
+            .timed(name, || synthesis.frame(frame, &smooth, warm))
             .with_context(|| format!("{}, frame {frame}", large.samples.path().display()))?;
-        before = Some((frame, made.positions.iter().zip(&smooth).map(|(a, b)| a - b).collect()));
         if frame >= first {
             findings.add(frame, &made.regions);
             run.timed("write", || output.write(&made.positions))?;
             progress.step();
         }
+        before = Some((frame, made.memory));
     }
     Ok(findings)
 }
