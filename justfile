@@ -4,7 +4,7 @@ set positional-arguments
 
 python := ".venv/bin/python"
 # What links OpenCV: video files, and finding boards in pictures
-opencv := "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video"
+opencv := "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video,normalmap-acquire/video"
 
 # What all pages share, and what they are built with
 pages := "crates/shared/loopback/web"

@@ -44,7 +44,7 @@ pub(crate) fn binaries() -> &'static [(String, PathBuf)] {
         if cfg!(feature = "video") {
             asked.extend([
                 "--features",
-                "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video,suite/video",
+                "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video,normalmap-acquire/video,suite/video",
             ]);
         }
         let built = cargo(&asked);
