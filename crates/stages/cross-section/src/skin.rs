@@ -2,6 +2,7 @@
 
 use crate::paint::Pixel;
 use crate::problem::Row;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Cells are so wide across the wrinkle, px; along it they are as long as stations are apart.
 const CELL_PX: f64 = 2.0;
@@ -15,8 +16,7 @@ pub(crate) type Group = Vec<Row>;
 
 /// Groups of cells from the skin's pixels, of which `row` says where they lie; from the paint outwards until something else begins.
 pub(crate) fn groups(pixels: &[Pixel], intervals: usize, row: impl Fn(&Pixel) -> Row) -> Vec<Group> {
-    let mut cells: std::collections::BTreeMap<(usize, bool, i64), Vec<Row>> =
-        std::collections::BTreeMap::new();
+    let mut cells: BTreeMap<(usize, bool, i64), Vec<Row>> = BTreeMap::new();
     for pixel in pixels {
         let row = row(pixel);
         let cell = (pixel.p.abs() / CELL_PX) as i64;
@@ -42,14 +42,15 @@ pub(crate) fn groups(pixels: &[Pixel], intervals: usize, row: impl Fn(&Pixel) ->
         last = Some(*at);
     }
     groups.retain(|group| group.len() >= LEAST_CELLS);
-    {
-        let has = |station: usize, right: bool, groups: &[Group]| {
-            groups.iter().any(|group| group[0].station == station && (group[0].p > 0.0) == right)
-        };
-        let all = groups.clone();
-        groups.retain(|group| has(group[0].station, group[0].p < 0.0, &all));
-    }
-    groups
+    on_both_sides(groups)
+}
+
+/// The groups whose station has one on its other side too: one side alone cannot tell a valley from light that rises.
+fn on_both_sides(groups: Vec<Group>) -> Vec<Group> {
+    let side = |group: &Group| (group[0].station, group[0].p > 0.0);
+    let sides: BTreeSet<(usize, bool)> = groups.iter().map(side).collect();
+    let other = |(station, is_right): (usize, bool)| (station, !is_right);
+    groups.into_iter().filter(|group| sides.contains(&other(side(group)))).collect()
 }
 
 fn mean(rows: &[Row]) -> Row {
@@ -66,7 +67,7 @@ fn mean(rows: &[Row]) -> Row {
 
 /// All groups as two, by the distance from the creases: what lies on the left and on the right of a wrinkle that is the same everywhere.
 pub(crate) fn collapsed(groups: &[Group], crease: impl Fn(&Row) -> f64) -> Vec<Group> {
-    let mut bins: std::collections::BTreeMap<(bool, i64), [f64; 3]> = std::collections::BTreeMap::new();
+    let mut bins: BTreeMap<(bool, i64), [f64; 3]> = BTreeMap::new();
     for group in groups {
         let level = group.iter().map(|row| row.light).sum::<f64>() / group.len() as f64;
         for row in group {
