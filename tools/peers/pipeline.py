@@ -18,7 +18,7 @@ import numpy as np
 from _takes import make
 
 SEEDS = [1, 2, 3]
-FEATURES = "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video,normalmap-acquire/video"
+FEATURES = "virtual-rig/video,capture-sync/video,calibrate/detect,calibrate/video"
 STAGES = ("virtual-rig capture-sync calibrate marker-track triangulate stabilize rbf-warp linear-shell wrinkle-track cross-section "
           "wrinkle-edit wrinkle-lift shell-synth preview").split()
 SCENARIO = "fixtures/demo-face/scenario.json"
