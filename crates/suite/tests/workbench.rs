@@ -73,7 +73,7 @@ fn what_a_person_does_at_the_pages_is_what_the_stages_read() {
     let folder = folder.path();
     take(folder);
     let (_bench, url) = bench(folder);
-    let run = node.arg(&url).args([folder.join("labels.json"), folder.to_path_buf()]).output().expect("node");
+    let run = node.arg(&url).arg(folder.join("labels.json")).output().expect("node");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let found: Value = serde_json::from_slice(&run.stdout).expect("JSON");
     check_page(&found);

@@ -1,5 +1,5 @@
-// Works at the pages as a person would: node workbench.mjs URL TRUTH PICTURES. TRUTH: labels (labels/1) to click at. Prints what was found as one
-// line of JSON.
+// Works at the pages as a person would: node workbench.mjs URL TRUTH [PICTURES]. TRUTH: labels (labels/1) to click at; PICTURES: a folder for
+// pictures of the pages. Prints what was found as one line of JSON.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { browser } from "../../../../shared/loopback/web/test/browser.mjs";
@@ -24,7 +24,7 @@ async function go(id) {
 /** Where a place of the picture is in the window. */
 const client = ([x, y]) => page.evaluate(([x, y]) => workbench.sheet.client({ x, y }), [x, y]);
 const said = () => page.textContent("#state");
-const picture = (name) => page.screenshot({ path: join(pictures, `${name}.png`) });
+const picture = async (name) => pictures && (await page.screenshot({ path: join(pictures, `${name}.png`) }));
 const settle = () => page.waitForFunction(() => !workbench.busy);
 
 async function save() {

@@ -13,6 +13,7 @@ export class Sheet {
   private scale = 1;
   private origin: Place = { x: 0, y: 0 };
   private asked = false;
+  private isFitted = false;
   brightness = 1;
   /** Draws over the picture; lengths on the screen are `unit` pixels of the picture. */
   over: (context: CanvasRenderingContext2D, unit: number) => void = () => {};
@@ -53,6 +54,8 @@ export class Sheet {
   fit() {
     if (!this.picture) return;
     const { clientWidth: width, clientHeight: height } = this.element;
+    // A sheet that is not on the page yet has no size; it is fitted once it has.
+    this.isFitted = width > 0 && height > 0;
     this.scale = Math.min(width / this.picture.width, height / this.picture.height) || 1;
     this.origin = { x: (width - this.scale * this.picture.width) / 2, y: (height - this.scale * this.picture.height) / 2 };
     this.draw();
@@ -120,10 +123,9 @@ export class Sheet {
 
   private resized() {
     const dense = devicePixelRatio || 1;
-    const was = [this.canvas.width, this.canvas.height];
     this.canvas.width = Math.round(dense * this.element.clientWidth);
     this.canvas.height = Math.round(dense * this.element.clientHeight);
-    if (!was[0] || !was[1] || this.canvas.width === 0) this.fit();
+    if (!this.isFitted) this.fit();
     this.draw();
   }
 
